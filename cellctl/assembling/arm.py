@@ -1,0 +1,85 @@
+"""What the rest of the cell may ask of a robot arm."""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+from cellctl.assembly import Value
+from cellctl.config import Joints, Pose
+
+
+class Waypoint(Value):
+    """One corner of a path. Speeds hold on the way to it; the blend radius rounds it."""
+
+    pose: Pose
+    """TCP pose in the robot's base frame."""
+    speed_m_s: float
+    acceleration_m_s2: float
+    blend_radius_m: float = 0.0
+    """0 stops at the corner; the last waypoint of a path always stops."""
+
+
+class ArmIdentity(Value):
+    """What the robot says it is, read back after connecting."""
+
+    model: Literal["ur10", "ur10e"]
+    controller_version: str
+    serial_number: str = ""
+
+
+class ArmState(Value):
+    """The newest thing the robot said about itself."""
+
+    robot_time_s: float
+    """The controller's own clock: cell time, on real and emulated robots alike."""
+    joints_rad: Joints
+    tcp_pose: Pose
+    tcp_speed_m_s: float
+    moving: bool
+    program_running: bool
+    safety: Literal["normal", "protective", "safeguard", "emergency", "fault"]
+    powered: bool
+    digital_inputs: int
+    """Bits 0-7: the standard inputs."""
+    digital_outputs: int
+
+
+class Arm(Protocol):
+    """A robot arm. Every method raises ``CellFault`` with a code of the catalogue."""
+
+    async def connect(self) -> ArmIdentity:
+        """Connect, check the model, set TCP and payload and read them back; safe to repeat."""
+        ...
+
+    def state(self) -> ArmState | None:
+        """The newest state; None before the first one arrived. Never blocks."""
+        ...
+
+    async def follow(self, path: tuple[Waypoint, ...], planned_duration_s: float) -> None:
+        """Move the TCP along a path and return when the arm has come to rest at its end."""
+        ...
+
+    async def move_joints(self, target_rad: Joints, speed_rad_s: float) -> None:
+        """Move in joint space, for homing; returns when at rest."""
+        ...
+
+    async def stop(self) -> None:
+        """Brake now; returns when at rest. A ``follow`` under way raises ``CancelledError``."""
+        ...
+
+    async def set_output(self, line: int, high: bool) -> None:
+        """Switch one standard digital output; returns when the controller shows it."""
+        ...
+
+    async def wait_input(self, line: int, high: bool, timeout_s: float) -> bool:
+        """Wait until a standard digital input has that level; False on time-out (cell time)."""
+        ...
+
+    async def recover(self) -> None:
+        """Leave a stop of the robot's own: close popups, unlock, power on, release brakes and
+        start the control program again. Moves nothing."""
+        ...
+
+    async def close(self) -> None:
+        """Let go of the robot; a moving arm is stopped first."""
+        ...

@@ -1,0 +1,183 @@
+"""The values that travel through the cell: Utterance, Request, Assembly, BuildPlan and their parts.
+
+Everything here is frozen and does no I/O. A value goes one way, from the spoken sentence to the
+outcome of the last placement; no stage reaches back. All of them serialise to JSON through
+pydantic, so that the bus, the journal, the report and files on disk share one form.
+
+Cells are ``[x, y, z]`` with z up, layer 0 on the floor and the origin at the workspace's minimum
+corner, everywhere: plans, journal, world and reports.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Value(BaseModel):
+    """Base of every value: frozen, and with no room for a misspelt field."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Cell(NamedTuple):
+    """Index of one voxel-sized cell of the workspace grid; z is up and layer 0 is on the floor."""
+
+    x: int
+    y: int
+    z: int
+
+    def below(self) -> Cell:
+        """The cell under this one (its z may be -1, which is the floor)."""
+        return Cell(self.x, self.y, self.z - 1)
+
+    def neighbours(self) -> tuple[Cell, ...]:
+        """The six cells that share a face with this one."""
+        x, y, z = self
+        return (
+            Cell(x - 1, y, z),
+            Cell(x + 1, y, z),
+            Cell(x, y - 1, z),
+            Cell(x, y + 1, z),
+            Cell(x, y, z - 1),
+            Cell(x, y, z + 1),
+        )
+
+
+class Utterance(Value):
+    """What was heard, before anyone judged what it means."""
+
+    text: str
+    source: Literal["microphone", "wav", "text"]
+    recogniser: str = "none"
+    """Which back end turned sound into words; ``none`` for typed text."""
+    confidence: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
+    audio_s: Annotated[float, Field(ge=0.0)] = 0.0
+    """Length of the audio heard, in seconds."""
+
+
+class Intent(StrEnum):
+    """What a sentence asks for."""
+
+    DESIGN = "design"
+    EDIT = "edit"
+    CONTROL = "control"
+    QUERY = "query"
+    NONE = "none"
+
+
+class Request(Value):
+    """What the cell understood: the object to design, or why there is none."""
+
+    text: str
+    intent: Intent
+    phrase: str
+    """The phrase that names the object, lower case, without its article; ``false`` for none."""
+    objects: tuple[str, ...] = ()
+    """Head nouns of what is to be built, singular."""
+    count: Annotated[int, Field(ge=0)] = 0
+    attributes: dict[str, int | str | bool] = Field(default_factory=dict)
+    """Such as ``legs``, ``tiers``, ``back``, ``arms``, ``glyph``."""
+    dimensions_m: dict[Literal["width", "depth", "height"], float] = Field(default_factory=dict)
+    """Only sizes that the speaker stated, in metres."""
+    command: str | None = None
+    """For ``control``: one of the operator's or visitor's commands, such as ``stop``."""
+    reason: str = ""
+    """Why it was decided so, in words for the visitor."""
+    back_end: str = "rules"
+
+
+class Check(Value):
+    """One question asked of an assembly, and its answer."""
+
+    name: str
+    passed: bool
+    message: str
+    cells: tuple[Cell, ...] = ()
+    """The cells that made it fail; empty where it passed."""
+
+
+class Change(Value):
+    """One change made to what was asked for, in words that a visitor understands."""
+
+    what: str
+    why: str
+
+
+class Assembly(Value):
+    """A set of occupied cells at one voxel pitch."""
+
+    cells: tuple[Cell, ...]
+    """Sorted by z, then x, then y; no duplicates."""
+    pitch_m: Annotated[float, Field(gt=0.0)]
+
+    @classmethod
+    def of(cls, cells: object, pitch_m: float) -> Assembly:
+        """Build from any iterable of 3-sequences of int; sorts and drops duplicates."""
+        unique = {Cell(int(c[0]), int(c[1]), int(c[2])) for c in cells}  # type: ignore[attr-defined]
+        return cls(cells=tuple(sorted(unique, key=lambda c: (c.z, c.x, c.y))), pitch_m=pitch_m)
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Extent in cells along x, y and z, of the bounding box; (0, 0, 0) when empty."""
+        if not self.cells:
+            return (0, 0, 0)
+        spans = [(min(a), max(a)) for a in zip(*self.cells, strict=True)]
+        return (
+            spans[0][1] - spans[0][0] + 1,
+            spans[1][1] - spans[1][0] + 1,
+            spans[2][1] - spans[2][0] + 1,
+        )
+
+
+class StepKind(StrEnum):
+    """What a plan step does with its part."""
+
+    PLACE = "place"
+    REMOVE = "remove"
+
+
+class Step(Value):
+    """One part put to, or taken from, one cell."""
+
+    index: Annotated[int, Field(ge=0)]
+    kind: StepKind
+    cell: Cell
+    clearance_m: float | None = None
+    """Height of the TCP above the floor at which the part may cross at this step."""
+    duration_s: float | None = None
+    """Predicted cell time, from pick to the gripper clear of the part."""
+    margin: float | None = None
+    """Stability margin of the structure after this step; at least 1 holds."""
+
+
+class BuildPlan(Value):
+    """What the arm will do, step by step, and what was checked and changed to get there."""
+
+    plan_id: str
+    """Hash of the steps and the cell's geometry: the same object in the same cell has the same."""
+    title: str
+    pitch_m: float
+    assembly: Assembly
+    steps: tuple[Step, ...]
+    checks: tuple[Check, ...]
+    changes: tuple[Change, ...] = ()
+    questions: tuple[str, ...] = ()
+    """What must be asked before building, such as a wished-for size that cannot fit."""
+    policy: str = "cellctl"
+    provenance: str = ""
+    """Where the shape came from: the generator and its description."""
+
+    @property
+    def parts(self) -> int:
+        """How many parts the plan places."""
+        return sum(1 for step in self.steps if step.kind is StepKind.PLACE)
+
+
+class Role(StrEnum):
+    """Who asks: a visitor may ask for and stop things, an operator may do everything."""
+
+    VISITOR = "visitor"
+    OPERATOR = "operator"

@@ -1,0 +1,330 @@
+"""cell.toml -> validated settings.
+
+One model describes a cell, real or emulated; the units stand in the names. Every refusal names the
+file, the key, what is wrong with it and the nearest name that would be right.
+
+All frames are poses in the *cell frame*: right-handed, z up, origin on the floor. A pose is
+``[x_m, y_m, z_m, rx_rad, ry_rad, rz_rad]`` with a rotation vector, as the robot's pendant shows it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from cellctl.errors import ConfigError
+
+DEFAULT_PATH = Path("/etc/cellctl/cell.toml")
+ENVIRONMENT_VARIABLE = "CELLCTL_CONFIG"
+
+Pose = tuple[float, float, float, float, float, float]
+"""x, y, z in metres, then a rotation vector in radians."""
+Joints = tuple[float, float, float, float, float, float]
+"""Joint positions from base to wrist 3, in radians."""
+Vector = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Port = Annotated[int, Field(ge=1, le=65535)]
+
+
+class Section(BaseModel):
+    """Base of every table of the file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class CellSection(Section):
+    """What this cell is."""
+
+    name: Annotated[str, Field(min_length=1, max_length=80)]
+    kind: Literal["real", "emulated"]
+    clock_rate: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    """Cell seconds per wall second; anything but 1.0 needs ``kind = "emulated"``."""
+
+
+class WorkspaceSection(Section):
+    """Where things are built."""
+
+    frame: Pose
+    """Minimum corner of the building space, on the floor."""
+    size_m: tuple[Positive, Positive, Positive]
+
+
+class BaseSection(Section):
+    """Where the robot stands."""
+
+    frame: Pose
+
+
+class PedestalSection(Section):
+    """The block that the robot stands on: an obstacle."""
+
+    frame: Pose
+    """Centre of its top face."""
+    size_m: tuple[Positive, Positive, Positive]
+
+
+class ToolSection(Section):
+    """The latch gripper on the robot's flange."""
+
+    frame: Pose
+    """TCP in the flange frame: the centre of the top face of a gripped voxel, z into the voxel."""
+    width_m: Positive
+    """Edge of the square that the gripper's body needs, seen from above."""
+    height_m: Positive
+    payload_kg: Annotated[float, Field(gt=0.0, le=12.5)]
+    """Gripper and one voxel together."""
+    payload_cog_m: Vector
+
+
+class VoxelSection(Section):
+    """The reusable part."""
+
+    pitch_m: Annotated[float, Field(ge=0.02, le=0.25)]
+    mass_kg: Positive
+
+
+class LimitsSection(Section):
+    """What can be built, after the paper's section 3.3."""
+
+    inventory_parts: Annotated[int, Field(ge=1, le=1000)]
+    overhang_cells: Annotated[int, Field(ge=0, le=50)]
+    stack_cells: Annotated[int, Field(ge=1, le=50)]
+
+
+class RobotSection(Section):
+    """The arm and its controller."""
+
+    model: Literal["ur10", "ur10e"]
+    host: Annotated[str, Field(min_length=1)]
+    dashboard_port: Port = 29999
+    rtde_frequency_hz: Literal[125, 500]
+    home_rad: Joints
+    """Where the arm rests between jobs, clear of everything."""
+    travel_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)]
+    travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=10.0)]
+    approach_speed_m_s: Annotated[float, Field(gt=0.0, le=1.0)]
+    """Speed over the last stretch, where parts touch."""
+    approach_height_m: Annotated[float, Field(gt=0.0, le=0.2)]
+    blend_radius_m: Annotated[float, Field(ge=0.0, le=0.2)]
+    clearance_m: Annotated[float, Field(gt=0.0, le=0.3)]
+    """Least distance between a carried part and what it crosses."""
+    watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
+    """The controller stops the arm when it hears nothing for one period of this."""
+    host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0
+    """The arm process stops the arm when the daemon says nothing for this long (wall time)."""
+    connect_timeout_s: Positive = 10.0
+    move_timeout_factor: Annotated[float, Field(ge=1.2, le=20.0)] = 3.0
+    """A movement that takes this many times its planned duration, plus 2 s, is a fault."""
+
+
+class GripperSection(Section):
+    """The gripper's lines on the robot's controller. High on the command line unlatches."""
+
+    command_output: Annotated[int, Field(ge=0, le=7)]
+    """Standard digital output."""
+    status_input: Annotated[int, Field(ge=0, le=7)]
+    """Standard digital input; high while a completed latch is confirmed."""
+    travel_timeout_s: Positive
+    retries: Annotated[int, Field(ge=0, le=5)] = 1
+    """How often a silent gripper or a missed pick is tried again before it is a fault."""
+
+
+class FeederSection(Section):
+    """The conveyor that brings parts."""
+
+    frame: Pose
+    """Centre of the top face of the part that waits at the pick station; x along the feed."""
+    port: Annotated[str, Field(min_length=1)]
+    baud: Literal[9600, 19200, 38400, 57600, 115200] = 115200
+    capacity_parts: Annotated[int, Field(ge=1, le=1000)]
+    width_m: Positive
+    """Width of the belt, an obstacle."""
+    reply_timeout_s: Positive = 0.3
+    """For one line's answer (wall time); a line is sent again twice before the board is lost."""
+    index_timeout_s: Positive = 10.0
+    """For bringing one part to the pick station (cell time)."""
+    retries: Annotated[int, Field(ge=0, le=5)] = 1
+
+
+class HearingSection(Section):
+    """Where words come from."""
+
+    language: Literal["en", "ko"] = "en"
+    model_path: str | None = None
+    """A Vosk model folder; when set it must be good, nothing else is tried."""
+    model_folder: str = "/var/lib/cellctl/models"
+    """The cell's own model folder."""
+    allow_download: bool = False
+    """May fetch the pinned English Vosk model when none is found."""
+    max_audio_s: Annotated[float, Field(ge=1.0, le=120.0)] = 30.0
+
+
+class PlanningSection(Section):
+    """How a shape becomes a plan."""
+
+    scale_unitless_to_workspace: bool = True
+    timeout_s: Positive = 60.0
+    """For one plan (wall time)."""
+
+
+class BusSection(Section):
+    """ZeroMQ end points; loopback or ipc only."""
+
+    status: str = "tcp://127.0.0.1:5571"
+    control: str = "tcp://127.0.0.1:5572"
+    heartbeat_s: Annotated[float, Field(gt=0.0, le=10.0)] = 1.0
+
+    @model_validator(mode="after")
+    def _loopback_only(self) -> Self:
+        for name in ("status", "control"):
+            endpoint: str = getattr(self, name)
+            if not endpoint.startswith(("ipc://", "tcp://127.")):
+                raise ValueError(
+                    f"{name} must be ipc:// or tcp://127.x.x.x (not {endpoint!r}): "
+                    "the bus is not encrypted"
+                )
+        return self
+
+
+class PolicySection(Section):
+    """What the cell asks before it acts."""
+
+    confirmation: Literal["ask", "waived"] = "ask"
+    """``waived`` builds without asking "Shall I build it?"."""
+    confirmation_timeout_s: Positive = 30.0
+    """Silence for this long means no."""
+
+
+class EmulationSection(Section):
+    """The emulated cell, for ``cellctl sim``; a real cell has no such table."""
+
+    control: str = "tcp://127.0.0.1:5573"
+    """Where faults are injected and the world's truth is read."""
+    seed: int = 1
+    controller_version: Literal["3.15", "5.12"] = "5.12"
+    """Controller software to emulate; 3.15 is a CB3 with 125 Hz."""
+
+
+class CellConfig(Section):
+    """Everything that cellctl knows about one cell."""
+
+    cell: CellSection
+    workspace: WorkspaceSection
+    base: BaseSection
+    pedestal: PedestalSection
+    tool: ToolSection
+    voxel: VoxelSection
+    limits: LimitsSection
+    robot: RobotSection
+    gripper: GripperSection
+    feeder: FeederSection
+    hearing: HearingSection = HearingSection()
+    planning: PlanningSection = PlanningSection()
+    bus: BusSection = BusSection()
+    policy: PolicySection = PolicySection()
+    emulation: EmulationSection | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.cell.kind == "real" and self.cell.clock_rate != 1.0:
+            raise ValueError("cell.clock_rate must be 1.0 for a real cell")
+        if self.cell.kind == "real" and self.emulation is not None:
+            raise ValueError('a real cell has no [emulation] table; set cell.kind = "emulated"')
+        if self.cell.kind == "emulated" and self.emulation is None:
+            raise ValueError("an emulated cell needs an [emulation] table")
+        if self.robot.model == "ur10" and self.robot.rtde_frequency_hz != 125:
+            raise ValueError("robot.rtde_frequency_hz must be 125 for a ur10 (CB3 controller)")
+        if min(self.workspace.size_m) < self.voxel.pitch_m:
+            raise ValueError("workspace.size_m must hold at least one voxel on every axis")
+        return self
+
+    @property
+    def grid(self) -> tuple[int, int, int]:
+        """How many whole cells fit the workspace along x, y and z."""
+        nx, ny, nz = (int(edge / self.voxel.pitch_m + 1e-9) for edge in self.workspace.size_m)
+        return (nx, ny, nz)
+
+
+def find_config(explicit: Path | None) -> Path:
+    """Where the configuration is: ``--config``, then the environment, then ``/etc``.
+
+    Raises:
+        ConfigError: none of them names a file that exists. The emulated cell is never assumed.
+    """
+    if explicit is not None:
+        return explicit
+    if from_environment := os.environ.get(ENVIRONMENT_VARIABLE):
+        return Path(from_environment)
+    if DEFAULT_PATH.exists():
+        return DEFAULT_PATH
+    raise ConfigError(
+        f"No configuration: --config is not given, ${ENVIRONMENT_VARIABLE} is not set, "
+        f"and {DEFAULT_PATH} does not exist.",
+        "Name one, for example --config config/sim.toml for the emulated cell.",
+    )
+
+
+def load_config(path: Path) -> CellConfig:
+    """Read and validate one file.
+
+    Raises:
+        ConfigError: with one line for each thing that is wrong.
+    """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
+    return parse_config(data, str(path))
+
+
+def parse_config(data: dict[str, Any], origin: str) -> CellConfig:
+    """Validate settings that are already parsed; ``origin`` names them in errors.
+
+    Raises:
+        ConfigError: with one line for each thing that is wrong.
+    """
+    try:
+        return CellConfig.model_validate(data)
+    except ValidationError as error:
+        lines = [f"{origin}: {_explain(item)}" for item in error.errors()]
+        raise ConfigError("\n".join(lines)) from error
+
+
+def _explain(item: Any) -> str:
+    location = list(item["loc"])
+    key = ".".join(str(part) for part in location) or "(whole file)"
+    kind = item["type"]
+    if kind == "extra_forbidden":
+        names = _names_beside(location)
+        near = difflib.get_close_matches(str(location[-1]), names, n=1, cutoff=0.4)
+        if near:
+            prefix = [str(part) for part in location[:-1]]
+            return f"{key}: unknown key; did you mean {'.'.join([*prefix, near[0]])}?"
+        return f"{key}: unknown key; known here: {', '.join(sorted(names))}."
+    if kind == "missing":
+        return f"{key}: is missing."
+    message = item["msg"].removeprefix("Value error, ")
+    message = message[0].lower() + message[1:]
+    if kind in ("value_error",):
+        return f"{key}: {message}." if location else f"{message}."
+    return f"{key} = {item['input']!r}: {message}."
+
+
+def _names_beside(location: list[Any]) -> list[str]:
+    """The keys that the table at ``location[:-1]`` may hold."""
+    model: Any = CellConfig
+    for part in location[:-1]:
+        annotation = model.model_fields[part].annotation
+        options = [annotation, *get_args(annotation)]
+        model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
+    return list(model.model_fields)

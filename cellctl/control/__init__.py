@@ -1,0 +1,1 @@
+"""The daemon: controller, state machine, journal and bus."""

@@ -1,0 +1,245 @@
+"""What can go wrong: errors that refuse an input, and the catalogue of faults that stop the cell.
+
+An error is for the one who asked: it names what is wrong, where, and what to do about it, and the
+cell carries on. A fault stops the cell: it has a code, a cause, and a documented way out that needs
+no restart. The catalogue is data, so that the bus, the command line and the docs show the same.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum, StrEnum
+
+from cellctl.assembly import Role, Value
+
+
+class ExitStatus(IntEnum):
+    """Exit status of every command."""
+
+    DONE = 0
+    INTERNAL = 1
+    USAGE = 2
+    NO_OBJECT = 3
+    CANNOT_PLAN = 4
+    FAULT = 5
+    DIFFERS = 6
+
+
+class CellctlError(Exception):
+    """Base of every error that cellctl raises on purpose.
+
+    Args:
+        message: what is wrong and where.
+        hint: what to do about it.
+    """
+
+    exit_status = ExitStatus.INTERNAL
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+    def __str__(self) -> str:
+        return f"{self.message} {self.hint}".strip()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (type(self), (self.message, self.hint))
+
+
+class UsageError(CellctlError):
+    """A command, file or option that cannot be used as given."""
+
+    exit_status = ExitStatus.USAGE
+
+
+class ConfigError(CellctlError):
+    """A configuration file that is missing, unreadable or wrong."""
+
+    exit_status = ExitStatus.USAGE
+
+
+class HearingError(CellctlError):
+    """Speech that cannot be heard: no model, no device, an unreadable file."""
+
+    exit_status = ExitStatus.USAGE
+
+
+class NoObjectError(CellctlError):
+    """The sentence asks for nothing that can be built."""
+
+    exit_status = ExitStatus.NO_OBJECT
+
+
+class DesignError(CellctlError):
+    """No generator can design what was asked for."""
+
+    exit_status = ExitStatus.CANNOT_PLAN
+
+
+class PlanError(CellctlError):
+    """The shape cannot be built in this cell."""
+
+    exit_status = ExitStatus.CANNOT_PLAN
+
+
+class RefusedError(CellctlError):
+    """A command that the present state or role does not allow."""
+
+    exit_status = ExitStatus.USAGE
+
+
+class Severity(StrEnum):
+    """Which fault state a fault leads to; each is a substate of ``fault``."""
+
+    HELD = "held"
+    """The arm is at rest under power; the program may be started again after a reset."""
+    STOPPED = "stopped"
+    """The robot's controller stopped the arm (protective or safeguard stop, lost link)."""
+    EMERGENCY = "emergency"
+    """Emergency stop: power is off the arm; it needs release, power and brakes again."""
+
+
+class FaultEntry(Value):
+    """One row of the catalogue."""
+
+    code: str
+    severity: Severity
+    title: str
+    """What happened, in a line for the visitor and the operator."""
+    causes: tuple[str, ...]
+    remedy: str
+    """What to do before ``reset``."""
+    cleared_by: Role = Role.OPERATOR
+
+
+def _catalogue(*entries: FaultEntry) -> dict[str, FaultEntry]:
+    return {entry.code: entry for entry in entries}
+
+
+CATALOGUE: dict[str, FaultEntry] = _catalogue(
+    FaultEntry(
+        code="belt_empty",
+        severity=Severity.HELD,
+        title="The conveyor has no part to give.",
+        causes=("The feedstock is used up.", "The part sensor at the pick station is blocked."),
+        remedy="Put parts on the belt, then reset and resume.",
+    ),
+    FaultEntry(
+        code="belt_jam",
+        severity=Severity.HELD,
+        title="The conveyor moved but its parts did not.",
+        causes=("A part is wedged.", "The belt slips."),
+        remedy="Free the parts on the belt, then reset and resume.",
+    ),
+    FaultEntry(
+        code="belt_lost",
+        severity=Severity.HELD,
+        title="The conveyor's board does not answer.",
+        causes=("Its USB cable is out.", "Its board has no power."),
+        remedy="Check the conveyor's cable and power, then reset and resume.",
+    ),
+    FaultEntry(
+        code="gripper_silent",
+        severity=Severity.HELD,
+        title="The gripper does not report that its latch has moved.",
+        causes=("The status line is broken.", "The gripper has no power.", "The latch is stuck."),
+        remedy="Check the gripper's cable, power and latch, then reset and resume.",
+    ),
+    FaultEntry(
+        code="gripper_fault",
+        severity=Severity.HELD,
+        title="The gripper reports a fault of its own (its status line toggles).",
+        causes=("The latch servo stalled.", "The gripper's calibration is damaged."),
+        remedy="Look at the latch, then reset and resume.",
+    ),
+    FaultEntry(
+        code="pick_missed",
+        severity=Severity.HELD,
+        title="The gripper closed but the part is still at the pick station.",
+        causes=("The part is yawed or shifted.", "The part sticks to its neighbour."),
+        remedy="Straighten the part at the pick station, then reset and resume.",
+    ),
+    FaultEntry(
+        code="protective_stop",
+        severity=Severity.STOPPED,
+        title="The robot made a protective stop.",
+        causes=("The arm touched something.", "A joint's limit was exceeded."),
+        remedy="Look for the cause; reset after 5 s at the earliest, then resume.",
+    ),
+    FaultEntry(
+        code="safeguard_stop",
+        severity=Severity.STOPPED,
+        title="A safeguard stopped the robot.",
+        causes=("Somebody entered the guarded space.",),
+        remedy="Leave the guarded space and release the safeguard, then reset and resume.",
+    ),
+    FaultEntry(
+        code="emergency_stop",
+        severity=Severity.EMERGENCY,
+        title="An emergency stop was pressed.",
+        causes=("A person pressed an emergency stop button.",),
+        remedy="Make the cell safe, release the button, then reset and resume.",
+    ),
+    FaultEntry(
+        code="local_control",
+        severity=Severity.STOPPED,
+        title="The robot is in local control and takes no commands from here.",
+        causes=("Somebody switched the teach pendant to local.",),
+        remedy="Switch the pendant to remote control, then reset and resume.",
+    ),
+    FaultEntry(
+        code="robot_lost",
+        severity=Severity.STOPPED,
+        title="The robot's controller does not answer.",
+        causes=("It is switched off or starting.", "The network cable is out."),
+        remedy="Check that the robot is on and reachable, then reset and resume.",
+    ),
+    FaultEntry(
+        code="program_stopped",
+        severity=Severity.STOPPED,
+        title="The robot's program ended although nobody asked it to.",
+        causes=("Somebody stopped it on the pendant.", "The robot did not hear its host in time."),
+        remedy="Look that the way is free, then reset and resume.",
+    ),
+    FaultEntry(
+        code="motion_timeout",
+        severity=Severity.HELD,
+        title="A movement took much longer than planned.",
+        causes=("The speed slider on the pendant is down.", "The controller is overloaded."),
+        remedy="Check the speed slider, then reset and resume.",
+    ),
+    FaultEntry(
+        code="robot_mismatch",
+        severity=Severity.HELD,
+        title="The robot is not the one that the configuration describes.",
+        causes=("Model, TCP or payload read back differently from what was set.",),
+        remedy="Correct the configuration or the robot's installation, then reset.",
+    ),
+    FaultEntry(
+        code="internal",
+        severity=Severity.HELD,
+        title="Something failed inside cellctl.",
+        causes=("A defect in the software; the log has the details.",),
+        remedy="Keep the log for the maintainers, then reset and resume or cancel.",
+    ),
+)
+
+
+class CellFault(CellctlError):  # noqa: N818 - a fault is the field's word
+    """A fault of the catalogue, raised where it is noticed.
+
+    Args:
+        code: a code of ``CATALOGUE``.
+        detail: what exactly was seen, in words for the operator.
+    """
+
+    exit_status = ExitStatus.FAULT
+
+    def __init__(self, code: str, detail: str = "") -> None:
+        self.entry = CATALOGUE[code]
+        self.code = code
+        self.detail = detail
+        super().__init__(f"{self.entry.title} {detail}".strip(), self.entry.remedy)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (type(self), (self.code, self.detail))

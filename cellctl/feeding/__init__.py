@@ -1,0 +1,1 @@
+"""The conveyor and the inventory: parts to the pick station and back."""

@@ -1,0 +1,63 @@
+"""What the rest of the cell may ask of the conveyor."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from cellctl.assembly import Value
+
+
+class BeltIdentity(Value):
+    """What the conveyor's board says it is."""
+
+    role: str
+    serial_number: str
+    protocol_version: int
+    firmware_version: str
+
+
+class BeltState(Value):
+    """What the conveyor's board knows."""
+
+    part_present: bool
+    """The sensor at the pick station sees a part."""
+    moving: bool
+    indexes: int
+    """How many parts it has brought to the pick station since it was switched on."""
+
+
+class Belt(Protocol):
+    """A conveyor with one pick station. Every method raises ``CellFault`` on trouble."""
+
+    async def connect(self) -> BeltIdentity:
+        """Open the port and check who answers; safe to repeat.
+
+        Raises:
+            CellFault: ``belt_lost``.
+        """
+        ...
+
+    async def state(self) -> BeltState:
+        """Ask the board.
+
+        Raises:
+            CellFault: ``belt_lost``.
+        """
+        ...
+
+    async def present(self) -> None:
+        """Bring the next part to the pick station and return when it lies there; returns at once
+        when one already does. A lost reply never advances the belt twice.
+
+        Raises:
+            CellFault: ``belt_empty``, ``belt_jam`` or ``belt_lost``.
+        """
+        ...
+
+    async def halt(self) -> None:
+        """Stop the belt where it is."""
+        ...
+
+    async def close(self) -> None:
+        """Let go of the port."""
+        ...

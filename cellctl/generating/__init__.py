@@ -1,0 +1,1 @@
+"""Request -> mesh: one Protocol, several generators."""

@@ -1,0 +1,1 @@
+"""Microphone, recogniser and request reader: sound -> words -> what to build."""

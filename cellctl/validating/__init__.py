@@ -1,0 +1,1 @@
+"""Mesh -> build plan: voxelise, check, repair, order."""
