@@ -1,0 +1,278 @@
+"""The cell's state machine: states and transitions, and nothing else. No I/O, no clocks.
+
+``decide`` answers every pair of state and event: *accepted* (with the state it leads to, which may
+be the same), *ignored* (a result that came too late to matter) or *refused* (a command that this
+state does not allow, with the reason). The diagram in the docs is drawn from ``TRANSITIONS``.
+
+Deferred commands: ``pause`` and ``cancel`` are accepted while the arm works, without a change of
+state; the controller posts ``pause_now`` or ``wind_up`` at the next safe point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+from transitions.extensions import HierarchicalMachine
+
+
+class Event(StrEnum):
+    """Everything that can happen to the machine."""
+
+    # Results of the stages and devices.
+    STARTED = "started"
+    SPEECH_STARTED = "speech_started"
+    HEARD = "heard"
+    REJECTED = "rejected"
+    UNDERSTOOD = "understood"
+    DESIGNED = "designed"
+    DISCRETISED = "discretised"
+    CHECKED = "checked"
+    PLANNED = "planned"
+    PLANNED_WAIVED = "planned_waived"
+    PART_NEAR = "part_near"
+    PART_READY = "part_ready"
+    PICKED = "picked"
+    PICK_AGAIN = "pick_again"
+    PLACED = "placed"
+    NEXT_PART_READY = "next_part_ready"
+    NEXT_PART_AWAITED = "next_part_awaited"
+    WIND_UP = "wind_up"
+    COMPLETED = "completed"
+    PAUSE_NOW = "pause_now"
+    AT_REST = "at_rest"
+    RECOVERED = "recovered"
+    FAULT_HELD = "fault_held"
+    FAULT_STOPPED = "fault_stopped"
+    FAULT_EMERGENCY = "fault_emergency"
+    # Commands of people.
+    SAY = "say"
+    HEAR = "hear"
+    BUILD = "build"
+    CONFIRM = "confirm"
+    DECLINE = "decline"
+    PAUSE = "pause"
+    STOP = "stop"
+    CANCEL = "cancel"
+    RESET = "reset"
+    CLEAR = "clear"
+    # One command, ``resume``: the controller picks the variant from how far the job has come.
+    RESUME_IDLE = "resume_idle"
+    RESUME_STARTING = "resume_starting"
+    RESUME_GENERATING = "resume_generating"
+    RESUME_VALIDATING = "resume_validating"
+    RESUME_CONFIRMING = "resume_confirming"
+    RESUME_FEEDING = "resume_feeding"
+    RESUME_PICKING = "resume_picking"
+    RESUME_PLACING = "resume_placing"
+    RESUME_VERIFYING = "resume_verifying"
+    RESUME_RETREATING = "resume_retreating"
+
+
+COMMANDS = frozenset(
+    {Event.SAY, Event.HEAR, Event.BUILD, Event.CONFIRM, Event.DECLINE, Event.PAUSE}
+    | {Event.STOP, Event.CANCEL, Event.RESET, Event.CLEAR}
+    | {event for event in Event if event.value.startswith("resume_")}
+)
+FAULTS = frozenset({Event.FAULT_HELD, Event.FAULT_STOPPED, Event.FAULT_EMERGENCY})
+
+STATES: dict[str, tuple[str, ...]] = {
+    "starting": (),
+    "idle": (),
+    "listening": ("waiting", "hearing", "interpreting"),
+    "generating": (),
+    "validating": ("discretising", "checking", "sequencing", "confirming"),
+    "feeding": ("indexing", "presenting"),
+    "assembling": ("picking", "placing", "verifying", "retreating"),
+    "paused": ("braking", "resting"),
+    "fault": ("held", "stopped", "emergency", "recovering"),
+}
+"""Top-level states and their substates."""
+
+LEAVES: tuple[str, ...] = tuple(
+    leaf
+    for top, subs in STATES.items()
+    for leaf in ([f"{top}_{sub}" for sub in subs] if subs else [top])
+)
+"""The states that the machine can rest in, as ``top`` or ``top_sub``."""
+
+MOTION_STATES = frozenset({"assembling_picking", "assembling_placing", "assembling_retreating"})
+"""States in which the arm may move by its plan."""
+
+
+def leaves_of(*tops: str) -> list[str]:
+    """All leaves under the given top-level states."""
+    return [leaf for leaf in LEAVES if top_of(leaf) in tops]
+
+
+def top_of(state: str) -> str:
+    """The top-level state of a leaf."""
+    return state.split("_", maxsplit=1)[0]
+
+
+@dataclass(frozen=True)
+class Transition:
+    """One row of the table; ``target`` None means: accepted, and the state stays."""
+
+    event: Event
+    sources: tuple[str, ...]
+    target: str | None
+
+
+_ASSEMBLING = leaves_of("assembling")
+_DESIGNING = [
+    "generating",
+    "validating_discretising",
+    "validating_checking",
+    "validating_sequencing",
+]
+_BEFORE_MOTION = ["starting", *leaves_of("generating", "validating", "feeding")]
+_FAULT_AT_REST = ["fault_held", "fault_stopped", "fault_emergency"]
+_NO_FAULT = [leaf for leaf in LEAVES if top_of(leaf) != "fault"]
+
+_TABLE: list[tuple[Event, list[str], str | None]] = [
+    (Event.STARTED, ["starting"], "idle"),
+    # Words.
+    (Event.SAY, ["idle"], "listening_interpreting"),
+    (Event.HEAR, ["idle"], "listening_waiting"),
+    (Event.SPEECH_STARTED, ["listening_waiting"], "listening_hearing"),
+    (Event.HEARD, ["listening_hearing"], "listening_interpreting"),
+    (Event.UNDERSTOOD, ["listening_interpreting"], "generating"),
+    # A shape and a plan.
+    (Event.BUILD, ["idle"], "validating_discretising"),
+    (Event.DESIGNED, ["generating"], "validating_discretising"),
+    (Event.DISCRETISED, ["validating_discretising"], "validating_checking"),
+    (Event.CHECKED, ["validating_checking"], "validating_sequencing"),
+    (Event.PLANNED, ["validating_sequencing"], "validating_confirming"),
+    (Event.PLANNED_WAIVED, ["validating_sequencing"], "feeding_indexing"),
+    (Event.CONFIRM, ["validating_confirming"], "feeding_indexing"),
+    (Event.DECLINE, ["validating_confirming"], "idle"),
+    (Event.REJECTED, [*leaves_of("listening"), *_DESIGNING], "idle"),
+    # Part after part.
+    (Event.PART_NEAR, ["feeding_indexing"], "feeding_presenting"),
+    (Event.PART_READY, leaves_of("feeding"), "assembling_picking"),
+    (Event.PICKED, ["assembling_picking"], "assembling_placing"),
+    (Event.PICK_AGAIN, ["assembling_placing"], "feeding_indexing"),
+    (Event.PLACED, ["assembling_placing"], "assembling_verifying"),
+    (Event.NEXT_PART_READY, ["assembling_verifying"], "assembling_picking"),
+    (Event.NEXT_PART_AWAITED, ["assembling_verifying"], "feeding_indexing"),
+    (Event.WIND_UP, [*leaves_of("feeding"), "assembling_verifying"], "assembling_retreating"),
+    (Event.COMPLETED, ["assembling_retreating"], "idle"),
+    # Pause at the next safe point; where nothing moves, that is now.
+    (Event.PAUSE, _ASSEMBLING, None),
+    (Event.PAUSE_NOW, _ASSEMBLING, "paused_resting"),
+    (Event.PAUSE, ["idle", *leaves_of("generating", "validating")], "paused_resting"),
+    (Event.PAUSE, leaves_of("feeding"), "paused_braking"),
+    (Event.PAUSE, leaves_of("paused"), None),
+    # Stop works from everywhere. With nothing under way there is nothing to hold.
+    (Event.STOP, [*_BEFORE_MOTION, *_ASSEMBLING], "paused_braking"),
+    (Event.STOP, leaves_of("listening"), "idle"),
+    (Event.STOP, ["idle", *leaves_of("paused", "fault")], None),
+    (Event.AT_REST, ["paused_braking"], "paused_resting"),
+    # Cancel ends the job and leaves what stands; a part on its way is placed first.
+    (Event.CANCEL, leaves_of("listening", "generating", "validating"), "idle"),
+    (Event.CANCEL, leaves_of("feeding"), "assembling_retreating"),
+    (Event.CANCEL, _ASSEMBLING, None),
+    (Event.CANCEL, ["paused_resting"], "idle"),
+    (Event.CLEAR, ["idle", "paused_resting"], None),
+    # Only from rest, and only by a person.
+    (Event.RESUME_IDLE, ["paused_resting"], "idle"),
+    (Event.RESUME_STARTING, ["paused_resting"], "starting"),
+    (Event.RESUME_GENERATING, ["paused_resting"], "generating"),
+    (Event.RESUME_VALIDATING, ["paused_resting"], "validating_discretising"),
+    (Event.RESUME_CONFIRMING, ["paused_resting"], "validating_confirming"),
+    (Event.RESUME_FEEDING, ["paused_resting"], "feeding_indexing"),
+    (Event.RESUME_PICKING, ["paused_resting"], "assembling_picking"),
+    (Event.RESUME_PLACING, ["paused_resting"], "assembling_placing"),
+    (Event.RESUME_VERIFYING, ["paused_resting"], "assembling_verifying"),
+    (Event.RESUME_RETREATING, ["paused_resting"], "assembling_retreating"),
+    # A fault may strike anywhere; a worse one replaces a lesser one, never the reverse.
+    (Event.FAULT_HELD, [*_NO_FAULT, "fault_recovering"], "fault_held"),
+    (Event.FAULT_STOPPED, [*_NO_FAULT, "fault_held", "fault_recovering"], "fault_stopped"),
+    (Event.FAULT_EMERGENCY, [*_NO_FAULT, *leaves_of("fault")], "fault_emergency"),
+    (Event.RESET, _FAULT_AT_REST, "fault_recovering"),
+    (Event.RECOVERED, ["fault_recovering"], "paused_resting"),
+]
+
+TRANSITIONS: tuple[Transition, ...] = tuple(
+    Transition(event, tuple(sources), target) for event, sources, target in _TABLE
+)
+"""The whole table."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What an event does in a state."""
+
+    verdict: Literal["accepted", "ignored", "refused"]
+    state: str
+    """The state after the event."""
+    reason: str = ""
+    """Why a command is refused, for whoever gave it."""
+
+
+_REFUSALS: dict[Event, str] = {
+    Event.CONFIRM: "Nothing waits for a yes.",
+    Event.DECLINE: "Nothing waits for a no.",
+    Event.RESET: "There is no fault to reset.",
+    Event.CLEAR: "The workspace can be declared clear only when idle or paused.",
+}
+_BUSY = {
+    "starting": "The cell is still starting.",
+    "paused": "The cell is paused: resume or cancel first.",
+    "fault": "The cell is in a fault: see its remedy, then reset.",
+}
+
+
+def _refusal(state: str, event: Event) -> str:
+    top = top_of(state)
+    if event in _REFUSALS:
+        return _REFUSALS[event]
+    if event.value.startswith("resume_"):
+        if state == "paused_braking":
+            return "The arm is still coming to rest."
+        return _BUSY["fault"] if top == "fault" else "The cell is not paused."
+    if event in {Event.CANCEL, Event.PAUSE}:
+        if state == "paused_braking":
+            return "The arm is still coming to rest."
+        return _BUSY["fault"] if top == "fault" else f"There is no job to {event.value}."
+    return _BUSY.get(top, f"The cell is busy ({top}).")
+
+
+class CellMachine:
+    """The machine in one cell: where it is, and what an event would do."""
+
+    def __init__(self, state: str = "starting") -> None:
+        self.state = state
+        nested: list[str | dict[str, object]] = [
+            {"name": top, "children": list(subs)} if subs else top for top, subs in STATES.items()
+        ]
+        rows: list[dict[str, object]] = [
+            {"trigger": row.event.value, "source": list(row.sources), "dest": row.target}
+            for row in TRANSITIONS
+        ]
+        self._machine = HierarchicalMachine(
+            model=self,
+            states=nested,
+            transitions=rows,
+            initial=state,
+            auto_transitions=False,
+            send_event=False,
+            ignore_invalid_triggers=True,
+        )
+
+    def feed(self, event: Event) -> Decision:
+        """Apply an event and say what it did."""
+        before = self.state
+        accepted: bool = self.trigger(event.value)  # type: ignore[attr-defined]
+        if accepted:
+            return Decision("accepted", self.state)
+        if event in COMMANDS:
+            return Decision("refused", before, _refusal(before, event))
+        return Decision("ignored", before)
+
+
+def decide(state: str, event: Event) -> Decision:
+    """What ``event`` does in ``state``, without a machine of one's own."""
+    return CellMachine(state).feed(event)
