@@ -1,0 +1,298 @@
+"""What goes over the bus: status messages, requests and replies, with their schema version.
+
+Every status message is a multipart of two frames, the topic and a JSON document; every request is
+one JSON frame, with the bytes of a file as a second frame where the command takes one. The JSON
+schemas in the docs are generated from these models, and both ends validate with them.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field, TypeAdapter
+
+from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
+from cellctl.errors import FaultEntry
+
+SCHEMA_VERSION: Final = 1
+
+MAX_TEXT = 500
+"""Longest sentence that ``say`` takes, in characters."""
+MAX_ATTACHMENT = 64 * 1024 * 1024
+"""Largest file that a request may carry, in bytes."""
+
+
+class StateData(Value):
+    """Topic ``state``: where the machine is."""
+
+    state: str
+    """Leaf of the machine, as ``top`` or ``top_sub``."""
+    previous: str
+    event: str
+    pausing: bool = False
+    """A pause was asked for and happens at the next safe point."""
+    cancelling: bool = False
+    """A cancel was asked for; the part on its way is placed first."""
+    sentence: str = ""
+    """The state in words for the people in the room."""
+
+
+class PartOutcome(Value):
+    """One part of a job, after it was placed."""
+
+    step: int
+    cell: Cell
+    seconds: float
+    """Cell time from the end of the part before to the end of this one."""
+    waited_s: float
+    """Share of it in which the arm waited for the belt."""
+    retries: int = 0
+
+
+class JobData(Value):
+    """Topic ``job``: one wish, from the sentence to the last part."""
+
+    job_id: str
+    role: Role
+    utterance: Utterance | None = None
+    request: Request | None = None
+    title: str = ""
+    phase: str = ""
+    """Where ``resume`` goes on."""
+    message: str = ""
+    """What the visitor is told."""
+    outcome: Literal["", "built", "cancelled", "declined", "no_object", "cannot_plan"] = ""
+    plan_id: str = ""
+    parts_total: int = 0
+    parts_placed: int = 0
+    predicted_s: float | None = None
+    checks: tuple[Check, ...] = ()
+    changes: tuple[Change, ...] = ()
+    questions: tuple[str, ...] = ()
+    end_of_speech_s: float | None = None
+    """Cell time at which the sentence was complete."""
+    first_motion_s: float | None = None
+    finished_s: float | None = None
+
+
+class PartData(Value):
+    """Topic ``part``: a part was placed."""
+
+    job_id: str
+    outcome: PartOutcome
+    placed: int
+    total: int
+
+
+class ArmData(Value):
+    """Topic ``arm``: what the robot says."""
+
+    connected: bool
+    robot_time_s: float = 0.0
+    joints_rad: tuple[float, ...] = ()
+    tcp_pose: tuple[float, ...] = ()
+    tcp_speed_m_s: float = 0.0
+    moving: bool = False
+    safety: str = "unknown"
+
+
+class ConveyorData(Value):
+    """Topic ``conveyor``: what the belt does."""
+
+    connected: bool
+    part_present: bool = False
+    activity: str = ""
+
+
+class GripperData(Value):
+    """Topic ``gripper``: what the latch holds, as far as the cell knows."""
+
+    holding: Literal["nothing", "part", "latching", "releasing"]
+
+
+class SpeechData(Value):
+    """Topic ``speech``: what was heard and what was made of it."""
+
+    utterance: Utterance
+    request: Request | None = None
+
+
+class FaultData(Value):
+    """Topic ``fault``: the first cause, latched until a reset; ``entry`` None when cleared."""
+
+    entry: FaultEntry | None = None
+    detail: str = ""
+    during: str = ""
+    """The state in which it struck."""
+
+
+class LogData(Value):
+    """Topic ``log``: a line for people."""
+
+    level: Literal["info", "warning", "error"]
+    message: str
+
+
+class HealthData(Value):
+    """Topic ``health``, the heartbeat: sent at a fixed interval whatever happens."""
+
+    uptime_s: float
+    loop_blocked_p99_s: float
+    """99th percentile of how long the control loop was blocked in the last minute (wall time)."""
+    loop_blocked_max_s: float
+    inbox: int
+    """Events that wait in the controller's inbox."""
+
+
+StatusData = (
+    StateData
+    | JobData
+    | PartData
+    | ArmData
+    | ConveyorData
+    | GripperData
+    | SpeechData
+    | FaultData
+    | LogData
+    | HealthData
+)
+
+TOPICS: dict[str, type[Value]] = {
+    "state": StateData,
+    "job": JobData,
+    "part": PartData,
+    "arm": ArmData,
+    "conveyor": ConveyorData,
+    "gripper": GripperData,
+    "speech": SpeechData,
+    "fault": FaultData,
+    "log": LogData,
+    "health": HealthData,
+}
+TOPIC_OF = {model: topic for topic, model in TOPICS.items()}
+
+
+class StatusMessage(Value):
+    """Envelope of every status message."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    seq: int
+    """Counts all messages of one daemon from 1; a gap means that messages were lost."""
+    time: datetime
+    cell_time_s: float
+    state: str
+    topic: str
+    data: dict[str, Any]
+
+    def payload(self) -> StatusData:
+        """The data as the model of its topic."""
+        return TOPICS[self.topic].model_validate(self.data)  # type: ignore[return-value]
+
+
+class Snapshot(Value):
+    """The whole picture for one who joins late; ``seq`` says which message comes next."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    seq: int
+    version: str
+    cell: str
+    kind: Literal["real", "emulated"]
+    grid: tuple[int, int, int]
+    state: StateData
+    job: JobData | None
+    plan: BuildPlan | None
+    parts: tuple[PartOutcome, ...]
+    standing: tuple[Cell, ...]
+    """Cells that hold a part in the workspace, as far as the cell knows."""
+    inventory: dict[str, int]
+    arm: ArmData
+    conveyor: ConveyorData
+    gripper: GripperData
+    fault: FaultData
+    health: HealthData
+    recogniser: str
+
+
+class SnapshotCommand(Value):
+    """Ask for the whole picture."""
+
+    command: Literal["snapshot"] = "snapshot"
+
+
+class SayCommand(Value):
+    """Typed words, as if they had been spoken."""
+
+    command: Literal["say"] = "say"
+    text: Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
+
+
+class HearCommand(Value):
+    """Listen to the wav file in the request's second frame."""
+
+    command: Literal["hear"] = "hear"
+    name: Annotated[str, Field(max_length=200)]
+
+
+class BuildCommand(Value):
+    """Build the mesh or the plan in the request's second frame; the name's suffix tells which."""
+
+    command: Literal["build"] = "build"
+    name: Annotated[str, Field(max_length=200)]
+
+
+class ConfirmCommand(Value):
+    """Answer "Shall I build it?"."""
+
+    command: Literal["confirm"] = "confirm"
+    answer: bool
+
+
+class PlainCommand(Value):
+    """A command without arguments."""
+
+    command: Literal["pause", "resume", "stop", "cancel", "reset", "clear"]
+
+
+Command = Annotated[
+    SnapshotCommand | SayCommand | HearCommand | BuildCommand | ConfirmCommand | PlainCommand,
+    Field(discriminator="command"),
+]
+
+
+class ControlRequest(Value):
+    """A request on the control socket."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    id: Annotated[str, Field(min_length=1, max_length=64)]
+    """Chosen by the one who asks; the reply carries it."""
+    role: Role
+    body: Command
+
+
+class ReplyError(Value):
+    """Why a request was not carried out."""
+
+    code: Literal["invalid", "refused", "usage", "internal"]
+    message: str
+    hint: str = ""
+
+
+class ControlReply(Value):
+    """The answer to one request."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    id: str
+    ok: bool
+    state: str
+    """The machine's state after the request."""
+    message: str = ""
+    """For people: what happens now."""
+    job_id: str = ""
+    snapshot: Snapshot | None = None
+    error: ReplyError | None = None
+
+
+REQUEST_ADAPTER: TypeAdapter[ControlRequest] = TypeAdapter(ControlRequest)
+OPERATOR_COMMANDS = frozenset({"build", "pause", "resume", "reset", "clear"})
+"""Commands that a visitor may not give."""
