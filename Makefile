@@ -1,0 +1,44 @@
+# `make demo` and `make test` do all the set-up by themselves; a second run installs nothing.
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help demo test soak lint format docs lock setup clean
+
+BIN := .venv/bin
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
+
+demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture and a report in out/
+	@mkdir -p out
+	@$(BIN)/cellctl demo --picture out/stool.png --report out/report.json
+
+test: lint ## Lint, types, import layers and all tests but the long ones
+	@$(BIN)/pytest -m "not soak"
+
+soak: setup ## The long proofs; an hour or more
+	@$(BIN)/pytest -m soak --timeout 7200
+
+lint: setup ## ruff, mypy, import-linter
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+format: setup ## Put the code into shape
+	@$(BIN)/ruff check --fix
+	@$(BIN)/ruff format
+
+docs: setup ## Write docs/reference anew from the code
+	@$(BIN)/python scripts/make_reference.py
+
+lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer versions
+	@scripts/lock $(if $(UPGRADE),--upgrade)
+
+setup: ## Install what is needed, if anything is
+	@scripts/setup
+
+clean: ## Remove everything that was made here, the environment included
+	rm -rf .venv out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache \
+		.import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
