@@ -91,7 +91,7 @@ class WorkerProcess:
             finished = False
             try:
                 async with asyncio.timeout(timeout_s):
-                    connection = await asyncio.to_thread(self._ensure_started)
+                    connection = self._ensure_started()
                     connection.send((function, arguments, progress is not None))
                     kind, value = await self._answer(connection, progress)
                 finished = True
