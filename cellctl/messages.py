@@ -125,6 +125,8 @@ class FaultData(Value):
     detail: str = ""
     during: str = ""
     """The state in which it struck."""
+    later: tuple[str, ...] = ()
+    """What came after the first cause, a failed reset included."""
 
 
 class LogData(Value):

@@ -1,0 +1,268 @@
+"""One inbox, one consumer: every input is an event, and nothing else touches the machine.
+
+A word, a sensor, a timer, a stage's result, a person's command: each becomes an ``Item`` in the
+inbox. The consumer feeds its event to the machine and then starts or cancels the stage that
+belongs to the state it landed in. A stage is one task; results of a stage that was cancelled carry
+an old number and are dropped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Protocol
+
+import structlog
+
+from cellctl.control.states import FAULTS, CellMachine, Decision, Event, top_of
+from cellctl.errors import CellctlError, CellFault, RefusedError, Severity
+from cellctl.messages import FaultData, StatusData
+
+log = structlog.get_logger(__name__)
+
+INBOX_LIMIT = 1_000
+_STAGE_END_PATIENCE_S = 5.0
+_LATER_LIMIT = 20
+_AT_ONCE = frozenset({"brake", "hold"})
+"""Stages that do not wait for the cancelled one to end: they are what ends it."""
+
+STAGES: dict[str, str] = {
+    "starting": "start",
+    "listening_waiting": "hear",
+    "listening_hearing": "hear",
+    "listening_interpreting": "interpret",
+    "generating": "generate",
+    "validating_discretising": "plan",
+    "validating_checking": "plan",
+    "validating_sequencing": "plan",
+    "validating_confirming": "confirm",
+    "feeding_indexing": "feed",
+    "feeding_presenting": "feed",
+    "assembling_picking": "pick",
+    "assembling_placing": "place",
+    "assembling_verifying": "verify",
+    "assembling_retreating": "retreat",
+    "paused_braking": "brake",
+    "fault_held": "hold",
+    "fault_stopped": "hold",
+    "fault_emergency": "hold",
+    "fault_recovering": "recover",
+}
+"""Which stage runs in which state; none in ``idle`` and ``paused_resting``."""
+
+_FAULT_EVENTS = {
+    Severity.HELD: Event.FAULT_HELD,
+    Severity.STOPPED: Event.FAULT_STOPPED,
+    Severity.EMERGENCY: Event.FAULT_EMERGENCY,
+}
+
+
+class Post(Protocol):
+    """How a stage reports; ``then`` runs in the consumer, only if the event is accepted."""
+
+    def __call__(self, event: Event, then: Callable[[], None] | None = None) -> None: ...
+
+
+class Stages(Protocol):
+    """What the cell does in its states, behind the machine."""
+
+    async def run_stage(self, name: str, post: Post) -> None:
+        """The work of one stage; cancelled when the machine leaves its states.
+
+        Raises:
+            CellFault: the cell must stop.
+            CellctlError: the request cannot be carried out; the cell is idle again.
+        """
+        ...
+
+    def request_ended(self, error: CellctlError) -> None:
+        """The request that was under way ended with this error."""
+        ...
+
+    def changed(self, event: Event, before: str, after: str) -> None:
+        """An event was accepted."""
+        ...
+
+
+@dataclass
+class Item:
+    """One event in the inbox."""
+
+    event: Event
+    stage: int | None = None
+    """Number of the stage that sent it; None for people and monitors."""
+    then: Callable[[], None] | None = None
+    fault: CellFault | None = None
+    reply: asyncio.Future[Decision] | None = None
+
+
+@dataclass
+class Latched:
+    """The first cause of the present fault."""
+
+    fault: CellFault
+    during: str
+    later: list[str] = field(default_factory=list)
+
+    def view(self) -> FaultData:
+        """As the bus shows it."""
+        return FaultData(
+            entry=self.fault.entry,
+            detail=self.fault.detail,
+            during=self.during,
+            later=tuple(self.later),
+        )
+
+
+class Controller:
+    """Feeds the machine and runs the stages.
+
+    Args:
+        stages: the work of each state.
+        publish: sends a status message; gets the data and the state.
+    """
+
+    def __init__(self, stages: Stages, publish: Callable[[StatusData, str], None]) -> None:
+        self._stages = stages
+        self._publish = publish
+        self._machine = CellMachine()
+        self._inbox: asyncio.Queue[Item] = asyncio.Queue(INBOX_LIMIT)
+        self._stage_number = 0
+        self._stage_name: str | None = None
+        self._stage_task: asyncio.Task[None] | None = None
+        self.latched: Latched | None = None
+
+    @property
+    def state(self) -> str:
+        """Leaf of the machine."""
+        return self._machine.state
+
+    @property
+    def inbox_size(self) -> int:
+        """Events that wait."""
+        return self._inbox.qsize()
+
+    def post(self, event: Event, then: Callable[[], None] | None = None) -> None:
+        """Put an event into the inbox, from a monitor or a service."""
+        self._put(Item(event, then=then))
+
+    def post_fault(self, fault: CellFault) -> None:
+        """Report a fault that was noticed outside a stage."""
+        self._put(Item(_FAULT_EVENTS[fault.entry.severity], fault=fault))
+
+    async def command(
+        self, event: Event, then: Callable[[], None] | None = None, timeout_s: float = 5.0
+    ) -> Decision:
+        """Put a person's command into the inbox and wait for what the machine decides.
+
+        Args:
+            timeout_s: wall time.
+
+        Raises:
+            RefusedError: the present state does not allow it, or the cell is too busy to answer.
+        """
+        reply: asyncio.Future[Decision] = asyncio.get_running_loop().create_future()
+        self._put(Item(event, then=then, reply=reply))
+        try:
+            async with asyncio.timeout(timeout_s):
+                decision = await reply
+        except TimeoutError:
+            raise RefusedError("The cell is too busy to answer.", "Try again.") from None
+        if decision.verdict == "refused":
+            raise RefusedError(decision.reason)
+        return decision
+
+    async def run(self) -> None:
+        """Consume the inbox until cancelled."""
+        self._enter(self.state)
+        try:
+            while True:
+                self._consume(await self._inbox.get())
+        finally:
+            await self._end_stage()
+
+    def _put(self, item: Item) -> None:
+        try:
+            self._inbox.put_nowait(item)
+        except asyncio.QueueFull:
+            log.exception("inbox full, event dropped", event_name=item.event)
+            if item.reply is not None:
+                item.reply.set_result(Decision("refused", self.state, "The cell is too busy."))
+
+    def _consume(self, item: Item) -> None:
+        if item.stage is not None and item.stage != self._stage_number:
+            return
+        before = self.state
+        decision = self._machine.feed(item.event)
+        if item.reply is not None and not item.reply.done():
+            item.reply.set_result(decision)
+        if item.fault is not None:
+            self._latch(item.fault, before)
+        if decision.verdict != "accepted":
+            log.debug("event not accepted", event_name=item.event, state=before)
+            return
+        if item.event is Event.RECOVERED:
+            self.latched = None
+            self._publish(FaultData(), self.state)
+        if item.then is not None:
+            item.then()
+        self._enter(decision.state)
+        if item.event in FAULTS and self.latched is not None:
+            self._publish(self.latched.view(), self.state)
+        self._stages.changed(item.event, before, decision.state)
+
+    def _latch(self, fault: CellFault, during: str) -> None:
+        if self.latched is None:
+            self.latched = Latched(fault, during)
+            log.error("fault", code=fault.code, detail=fault.detail, during=during)
+        elif fault.code != self.latched.fault.code:
+            self.latched.later = [*self.latched.later, str(fault)][-_LATER_LIMIT:]
+            log.warning("further fault", code=fault.code, detail=fault.detail, during=during)
+
+    def _enter(self, state: str) -> None:
+        name = STAGES.get(state)
+        if name == self._stage_name:
+            return
+        self._stage_name = name
+        self._stage_number += 1
+        previous, self._stage_task = self._stage_task, None
+        if previous is not None:
+            previous.cancel()
+        if name is not None:
+            self._stage_task = asyncio.create_task(
+                self._run_stage(name, self._stage_number, previous), name=f"stage {name}"
+            )
+
+    async def _run_stage(self, name: str, number: int, previous: asyncio.Task[None] | None) -> None:
+        def post(event: Event, then: Callable[[], None] | None = None) -> None:
+            self._put(Item(event, stage=number, then=then))
+
+        fault: CellFault | None = None
+        try:
+            if previous is not None and name not in _AT_ONCE:
+                await asyncio.wait({previous}, timeout=_STAGE_END_PATIENCE_S)
+            await self._stages.run_stage(name, post)
+        except CellFault as error:
+            fault = error
+        except CellctlError as error:
+            if top_of(self.state) in {"listening", "generating", "validating"}:
+                log.info("request ended", reason=str(error))
+                post(Event.REJECTED, partial(self._stages.request_ended, error))
+                return
+            log.exception("stage failed", stage=name)
+            fault = CellFault("internal", str(error))
+        except Exception as error:
+            log.exception("stage failed", stage=name)
+            fault = CellFault("internal", f"{type(error).__name__}: {error}")
+        if fault is not None:
+            self._put(Item(_FAULT_EVENTS[fault.entry.severity], stage=number, fault=fault))
+
+    async def _end_stage(self) -> None:
+        task, self._stage_task = self._stage_task, None
+        if task is not None:
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await task
