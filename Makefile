@@ -14,7 +14,7 @@ demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture an
 	@$(BIN)/cellctl demo --picture out/stool.png --report out/report.json
 
 test: lint ## Lint, types, import layers and all tests but the long ones
-	@$(BIN)/pytest -m "not soak"
+	@$(BIN)/pytest
 
 soak: setup ## The long proofs; an hour or more
 	@$(BIN)/pytest -m soak --timeout 7200

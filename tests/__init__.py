@@ -1,0 +1,1 @@
+"""The tests of cellctl; one folder a room."""

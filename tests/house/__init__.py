@@ -1,0 +1,1 @@
+"""Tests of the house itself: its environment, its docs, its own checks."""
