@@ -21,7 +21,7 @@ from cellctl.assembly import Cell
 from cellctl.config import CellConfig
 from cellctl.sim.plant import Floats
 from cellctl.sim.world_belt import BeltPart, BeltRow
-from cellctl.sim.world_contact import Contact, Contacts
+from cellctl.sim.world_contact import Contact, Contacts, Span
 from cellctl.sim.world_geometry import inverse, pose_matrix, rotation
 from cellctl.sim.world_grip import fits, judge_release
 from cellctl.sim.world_support import adrift, falling
@@ -69,6 +69,7 @@ class World:
         self._tool = pose_matrix(config.tool.frame)
         self._contacts = Contacts(config, from_cell)
         self._ongoing: set[Contact] = set()
+        self._span: Span | None = None
         self._tcp: Floats | None = None
         """TCP in the workspace frame; None until the arm first told where it is."""
 
@@ -114,13 +115,19 @@ class World:
         """Take the arm's new pose and judge the way to it; see ``Plant.robot_moved``."""
         del joints_rad, dt_s  # only the tool is judged, and time passes in advance()
         tcp = self._from_base @ flange @ self._tool
-        before, self._tcp = self._tcp, tcp
-        if before is None or np.array_equal(before, tcp):
+        if self._tcp is not None and tcp.tobytes() == self._tcp.tobytes():
             return
+        self._tcp = tcp
+        holding = self._held is not None
+        before, self._span = self._span, self._contacts.span(tcp, holding)
+        if before is None:
+            return
+        if before.holding != holding:
+            before = self._contacts.span(before.tcp, holding)
         self._strain_bond(tcp)
-        contacts = self._contacts.along(
-            before, tcp, self._held is not None, self._placed, self._row
-        )
+        contacts = self._contacts.along(before, self._span, self._placed, self._row)
+        if contacts == self._ongoing:
+            return
         for contact in sorted(contacts - self._ongoing, key=str):
             where = f" at cell {tuple(contact.cell)}" if contact.cell else ""
             self._hold_against(

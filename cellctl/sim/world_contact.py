@@ -7,6 +7,7 @@ side, so that faces may touch and parts may be placed between neighbours.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from cellctl.assembly import Cell
 from cellctl.config import CellConfig
 from cellctl.sim.plant import Floats
 from cellctl.sim.world_belt import BeltRow
-from cellctl.sim.world_geometry import Box, Triple, apart, between, inverse, pose_matrix, rotation
+from cellctl.sim.world_geometry import Box, Triple, apart, between, pose_matrix, rotation
 
 CONTACT_TOLERANCE_M = 0.002
 """How deep two things may overlap before it counts as a collision."""
@@ -55,6 +56,17 @@ class Body:
         return abs(self.offset_m) + float(np.linalg.norm(self.half_m))
 
 
+class Span(NamedTuple):
+    """One pose of the tool, and the axis-parallel box around all of its bodies."""
+
+    tcp: Floats
+    turn: tuple[float, ...]
+    """The nine elements of the rotation."""
+    low: Triple
+    high: Triple
+    holding: bool
+
+
 class Contacts:
     """Everything solid that stands still, and the bodies that move.
 
@@ -64,57 +76,69 @@ class Contacts:
     """
 
     def __init__(self, config: CellConfig, from_cell: Floats) -> None:
-        self._pitch_m = config.voxel.pitch_m
+        pitch_m = self._pitch_m = config.voxel.pitch_m
         self._grid = config.grid
         width_m, height_m = config.tool.width_m, config.tool.height_m
-        self._gripper = _body("gripper", -height_m / 2, (width_m, width_m, height_m))
-        edges = (self._pitch_m,) * 3
-        self._held = _body("held part", self._pitch_m / 2, edges)
+        self._gripper = _body("gripper", -height_m, 0.0, width_m)
+        self._held = _body("held part", 0.0, pitch_m, pitch_m)
+        # Gripper and held part in one block: almost always it touches nothing, and that is that.
+        self._both = _body("both", -height_m, pitch_m, max(width_m, pitch_m))
         self._from_feeder = from_cell @ pose_matrix(config.feeder.frame)
-        self._to_feeder = inverse(self._from_feeder)
         self._still = [(name, box, *box.bounds()) for name, box in _furniture(config, from_cell)]
+        self._row_zone = _row_zone(config, self._from_feeder).bounds()
 
-    def along(
-        self, start: Floats, end: Floats, holding: bool, placed: dict[Cell, int], row: BeltRow
-    ) -> set[Contact]:
-        """What the tool touches on its way from one TCP pose (left out) to the next."""
+    def span(self, tcp: Floats, holding: bool) -> Span:
+        """The tool at one pose."""
+        body = self._both if holding else self._gripper
+        (xx, xy, xz, x), (yx, yy, yz, y), (zx, zy, zz, z), _ = tcp.tolist()
+        # Written out, because this runs for every step of the arm.
+        half_m, _, along_m = body.half_m
+        x, y, z = x + xz * body.offset_m, y + yz * body.offset_m, z + zz * body.offset_m
+        ex = (abs(xx) + abs(xy)) * half_m + abs(xz) * along_m
+        ey = (abs(yx) + abs(yy)) * half_m + abs(yz) * along_m
+        ez = (abs(zx) + abs(zy)) * half_m + abs(zz) * along_m
+        low, high = (x - ex, y - ey, z - ez), (x + ex, y + ey, z + ez)
+        return Span(tcp, (xx, xy, xz, yx, yy, yz, zx, zy, zz), low, high, holding)
+
+    def along(self, start: Span, end: Span, placed: dict[Cell, int], row: BeltRow) -> set[Contact]:
+        """What the tool touches on its way from one pose (left out) to the next."""
+        if not self._near("", *_hull(start, end, self._both.arm_m), placed, row):
+            return set()
         found: set[Contact] = set()
-        for body in (self._gripper, self._held) if holding else (self._gripper,):
-            first, last = body.at(start).bounds(), body.at(end).bounds()
-            # Corners of a turning body leave the hull of its first and last bounds.
-            turning = float(np.abs(start[:3, :3] - end[:3, :3]).max()) > 0.02
-            low, high = _hull(first, last, body.arm_m if turning else 0.0)
-            near = self._near(body.name, low, high, placed)
-            near += self._near_on_belt(body, start, end, row)
+        for body in (self._gripper, self._held) if end.holding else (self._gripper,):
+            low, high = _hull(_alone(start, body), _alone(end, body), body.arm_m)
+            near = self._near(body.name, low, high, placed, row)
             if not near:
                 continue
-            for tcp in between(start, end, SWEEP_STEP_M, body.arm_m):
+            for tcp in between(start.tcp, end.tcp, SWEEP_STEP_M, body.arm_m):
                 box = body.at(tcp)
                 found.update(contact for contact, obstacle in near if box.overlaps(obstacle))
         return found
 
     def _near(
-        self, body: str, low: Triple, high: Triple, placed: dict[Cell, int]
+        self, body: str, low: Triple, high: Triple, placed: dict[Cell, int], row: BeltRow
     ) -> list[tuple[Contact, Box]]:
+        """What is solid within an axis-parallel box."""
         near = [
             (Contact(body, name), box)
             for name, box, box_low, box_high in self._still
             if not apart(low, high, box_low, box_high)
         ]
-        if not placed:
-            return near
+        if not apart(low, high, *self._row_zone):
+            near += self._belt_near(body, low, high, row)
         pitch_m = self._pitch_m
-        spans = [
-            range(max(0, int(a // pitch_m)), min(count, int(b // pitch_m) + 1))
-            for a, b, count in zip(low, high, self._grid, strict=True)
-        ]
-        for x in spans[0]:
-            for y in spans[1]:
-                for z in spans[2]:
-                    cell = Cell(x, y, z)
-                    if cell in placed:
-                        contact = Contact(body, "placed part", placed[cell], cell)
-                        near.append((contact, self._cell_box(cell)))
+        nx, ny, nz = self._grid
+        bottom = max(0, int(low[2] // pitch_m))
+        if not placed or bottom >= nz:
+            return near
+        for x in range(max(0, int(low[0] // pitch_m)), min(nx, int(high[0] // pitch_m) + 1)):
+            for y in range(max(0, int(low[1] // pitch_m)), min(ny, int(high[1] // pitch_m) + 1)):
+                for z in range(bottom, min(nz, int(high[2] // pitch_m) + 1)):
+                    # A plain tuple finds a Cell, and is made faster.
+                    part = placed.get((x, y, z))  # type: ignore[call-overload]
+                    if part is not None:
+                        contact = Contact(body, "placed part", part, Cell(x, y, z))
+                        near.append((contact, self._cell_box(Cell(x, y, z))))
         return near
 
     def _cell_box(self, cell: Cell) -> Box:
@@ -123,42 +147,54 @@ class Contacts:
         half_m = self._pitch_m / 2
         return Box(pose, (half_m, half_m, half_m))
 
-    def _near_on_belt(
-        self, body: Body, start: Floats, end: Floats, row: BeltRow
+    def _belt_near(
+        self, body: str, low: Triple, high: Triple, row: BeltRow
     ) -> list[tuple[Contact, Box]]:
-        """Parts of the belt's row whose surrounding sphere comes near the body's."""
-        centres = np.stack([body.at(start).pose[:, 3], body.at(end).pose[:, 3]])
-        (x0, y0, z0, _), (x1, y1, z1, _) = (centres @ self._to_feeder.T).tolist()
         half_m = self._pitch_m / 2
-        radius_m = float(np.linalg.norm(body.half_m))
-        if min(z0, z1) - radius_m >= 0.0 or min(abs(y0), abs(y1)) > radius_m + 2 * half_m:
-            return []
-        low_m, high_m = min(x0, x1) - radius_m, max(x0, x1) + radius_m
         near = []
         for item in row.parts:
-            if low_m - 2 * half_m < item.position_m < high_m + 2 * half_m:
-                pose = np.eye(4)
-                pose[:3, :3] = rotation(np.array([0.0, 0.0, item.yaw_rad]))
-                pose[:3, 3] = [item.position_m, 0.0, -half_m]
-                box = Box(self._from_feeder @ pose, (half_m, half_m, half_m))
-                near.append((Contact(body.name, "part on the belt", item.part), box))
+            pose = np.eye(4)
+            pose[:3, :3] = rotation(np.array([0.0, 0.0, item.yaw_rad]))
+            pose[:3, 3] = [item.position_m, 0.0, -half_m]
+            box = Box(self._from_feeder @ pose, (half_m, half_m, half_m))
+            if not apart(low, high, *box.bounds()):
+                near.append((Contact(body, "part on the belt", item.part), box))
         return near
 
 
-def _hull(
-    first: tuple[Triple, Triple], last: tuple[Triple, Triple], margin_m: float
-) -> tuple[Triple, Triple]:
-    (ax, ay, az), (bx, by, bz) = first[0], last[0]
-    (cx, cy, cz), (dx, dy, dz) = first[1], last[1]
+def _alone(span: Span, body: Body) -> Span:
+    """The same pose with the box around one body only."""
+    low, high = body.at(span.tcp).bounds()
+    return span._replace(low=low, high=high)
+
+
+def _hull(start: Span, end: Span, arm_m: float) -> tuple[Triple, Triple]:
+    """The axis-parallel box around the way between two poses."""
+    # Corners that turn leave the hull of both ends; within a step of the arm that is nothing.
+    cosine = (sum(map(mul, start.turn, end.turn)) - 1.0) / 2.0
+    margin_m = arm_m if cosine < 0.999 else 0.0
+    (ax, ay, az), (bx, by, bz) = start.low, end.low
+    (cx, cy, cz), (dx, dy, dz) = start.high, end.high
     return (
         (min(ax, bx) - margin_m, min(ay, by) - margin_m, min(az, bz) - margin_m),
         (max(cx, dx) + margin_m, max(cy, dy) + margin_m, max(cz, dz) + margin_m),
     )
 
 
-def _body(name: str, offset_m: float, edges_m: Triple) -> Body:
-    x, y, z = (edge_m / 2 - CONTACT_TOLERANCE_M for edge_m in edges_m)
-    return Body(name, offset_m, (x, y, z))
+def _body(name: str, from_m: float, to_m: float, width_m: float) -> Body:
+    """A square block along the TCP's z axis, shrunk by the tolerance."""
+    half_m = width_m / 2 - CONTACT_TOLERANCE_M
+    along_m = (to_m - from_m) / 2 - CONTACT_TOLERANCE_M
+    return Body(name, (from_m + to_m) / 2, (half_m, half_m, along_m))
+
+
+def _row_zone(config: CellConfig, from_feeder: Floats) -> Box:
+    """Where parts on the belt can be, gaps and yawed parts included."""
+    pitch_m = config.voxel.pitch_m
+    length_m = 2.0 * (config.feeder.capacity_parts + 1) * pitch_m
+    pose = np.eye(4)
+    pose[:3, 3] = [pitch_m - length_m / 2, 0.0, -pitch_m / 2]
+    return Box(from_feeder @ pose, (length_m / 2, 0.75 * pitch_m, pitch_m / 2))
 
 
 def _furniture(config: CellConfig, from_cell: Floats) -> list[tuple[str, Box]]:
