@@ -160,6 +160,23 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         remedy="Straighten the part at the pick station, then reset and resume.",
     ),
     FaultEntry(
+        code="gripper_holds",
+        severity=Severity.HELD,
+        title="The gripper is latched at the start and may hold a part that nobody knows of.",
+        causes=("The cell was switched off, or its daemon ended, with a part in the gripper.",),
+        remedy=(
+            "Hold the part and open the latch with its output on the robot's pendant, "
+            "then reset and resume."
+        ),
+    ),
+    FaultEntry(
+        code="no_route",
+        severity=Severity.HELD,
+        title="There is no safe way from where the arm is.",
+        causes=("The arm was moved by hand.", "Something stands where it must pass."),
+        remedy="Move the arm clear with the robot's pendant, then reset and resume or cancel.",
+    ),
+    FaultEntry(
         code="protective_stop",
         severity=Severity.STOPPED,
         title="The robot made a protective stop.",

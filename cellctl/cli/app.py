@@ -1,0 +1,76 @@
+"""The command ``cellctl``: one sub-command for each thing a person may want.
+
+Every command ends with a status of ``ExitStatus``; errors go to standard error and say what is
+wrong, where, and what to do about it.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+from rich.console import Console
+
+from cellctl import __version__
+from cellctl.cli import (
+    config_commands,
+    demo_command,
+    job_commands,
+    plan_command,
+    run_command,
+    sim_commands,
+    status_commands,
+)
+from cellctl.errors import CellctlError, ExitStatus
+
+app = typer.Typer(
+    name="cellctl",
+    help="Runs a robot cell that builds spoken wishes from reusable magnetic voxels.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"cellctl {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: bool = typer.Option(  # noqa: ARG001 - handled by its callback
+        False, "--version", callback=_version, is_eager=True, help="Show the version and exit."
+    ),
+) -> None:
+    """Runs a robot cell that builds spoken wishes from reusable magnetic voxels."""
+
+
+for module in (
+    run_command,
+    demo_command,
+    plan_command,
+    job_commands,
+    status_commands,
+    sim_commands,
+    config_commands,
+):
+    module.register(app)
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    try:
+        app()
+    except CellctlError as error:
+        console = Console(stderr=True, highlight=False, soft_wrap=True)
+        console.print("[bold red]error:[/]", error.message, markup=True)
+        if error.hint:
+            console.print("[bold]what to do:[/]", error.hint)
+        sys.exit(int(error.exit_status))
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception:  # noqa: BLE001 - the last resort: show it, end with its status
+        Console(stderr=True).print_exception()
+        sys.exit(int(ExitStatus.INTERNAL))

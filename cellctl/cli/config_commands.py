@@ -1,0 +1,27 @@
+"""``cellctl config``: is this file right?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cellctl.config import load_config
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    group = typer.Typer(help="Look at configuration files.", no_args_is_help=True)
+    app.add_typer(group, name="config")
+
+    @group.command()
+    def check(file: Annotated[Path, typer.Argument(help="A cell.toml.")]) -> None:
+        """Say whether a configuration is right, and what is wrong with it if not."""
+        config = load_config(file)
+        nx, ny, nz = config.grid
+        typer.echo(
+            f"{file}: right. {config.cell.name} ({config.cell.kind}), {config.robot.model}, "
+            f"{nx} x {ny} x {nz} cells of {config.voxel.pitch_m * 100:g} cm, "
+            f"{config.limits.inventory_parts} parts."
+        )

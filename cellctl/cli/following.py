@@ -1,0 +1,127 @@
+"""Follow one job on the status stream, and show how it goes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from cellctl.client import CellClient
+from cellctl.errors import CellctlError, ExitStatus
+from cellctl.messages import FaultData, JobData, PartData, SpeechData, StateData, StatusMessage
+
+_SILENCE_S = 15.0
+"""A daemon sends a heartbeat each second; this long without one, it is gone (wall time)."""
+
+OUTCOME_STATUS = {
+    "built": ExitStatus.DONE,
+    "cancelled": ExitStatus.DIFFERS,
+    "declined": ExitStatus.DIFFERS,
+    "no_object": ExitStatus.NO_OBJECT,
+    "cannot_plan": ExitStatus.CANNOT_PLAN,
+}
+
+
+class Follower:
+    """Turns status messages into lines and a bar.
+
+    Args:
+        console: where to write.
+        progress: the bar; it shows only on a terminal.
+    """
+
+    def __init__(self, console: Console, progress: Progress) -> None:
+        self._console = console
+        self._progress = progress
+        self._bar = progress.add_task("", total=None, visible=False)
+        self._said = ""
+
+    def show(self, message: StatusMessage) -> None:
+        """Show what is worth showing of one message."""
+        data = message.payload()
+        match data:
+            case StateData():
+                self._state(data)
+            case SpeechData():
+                self._speech(data)
+            case PartData():
+                self._part(data)
+            case FaultData() if data.entry is not None:
+                self._console.print(f"[bold red]fault[/] {data.entry.code}: {data.entry.title}")
+                if data.detail:
+                    self._console.print(f"      {data.detail}")
+                self._console.print(f"      what to do: {data.entry.remedy}")
+            case _:
+                return
+
+    def _state(self, data: StateData) -> None:
+        top = data.state.split("_", maxsplit=1)[0]
+        if top in {"feeding", "assembling"}:
+            self._progress.update(self._bar, description=data.state.replace("_", ": "))
+            if self._said in {"feeding", "assembling"}:
+                return
+        self._said = top
+        self._console.print(f"[cyan]{data.state.replace('_', ': '):<26}[/] {data.sentence}")
+
+    def _speech(self, data: SpeechData) -> None:
+        if data.request is None:
+            words = data.utterance.text or "nothing"
+            self._console.print(f"[green]{'heard':<26}[/] {words!r} by {data.utterance.recogniser}")
+        else:
+            self._console.print(f"[green]{'understood':<26}[/] {data.request.phrase}")
+
+    def _part(self, data: PartData) -> None:
+        self._progress.update(self._bar, total=data.total, completed=data.placed, visible=True)
+        if not self._console.is_terminal:
+            x, y, z = data.outcome.cell
+            self._console.print(
+                f"part {data.placed:>3} of {data.total}: [{x}, {y}, {z}] "
+                f"in {data.outcome.seconds:.1f} s",
+                markup=False,
+            )
+
+
+@contextmanager
+def follower(console: Console) -> Iterator[Follower]:
+    """A follower whose bar lives as long as the context."""
+    progress = Progress(
+        TextColumn("{task.description:<26}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("parts"),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+    )
+    with progress:
+        yield Follower(console, progress)
+
+
+def follow_job(
+    cell: CellClient, job_id: str, console: Console | None = None, timeout_s: float = 3600.0
+) -> ExitStatus:
+    """Show a job until it has ended or the cell is in a fault.
+
+    Args:
+        cell: subscribed before the job began.
+        job_id: as the reply to the request named it.
+        timeout_s: wall time.
+
+    Raises:
+        CellctlError: the daemon fell silent, or the job took too long.
+    """
+    deadline_s = time.monotonic() + timeout_s
+    with follower(console or Console(highlight=False)) as view:
+        for message in cell.messages(_SILENCE_S):
+            view.show(message)
+            data = message.payload()
+            if isinstance(data, FaultData) and data.entry is not None:
+                return ExitStatus.FAULT
+            if isinstance(data, JobData) and data.job_id == job_id and data.outcome:
+                return OUTCOME_STATUS[data.outcome]
+            if time.monotonic() > deadline_s:
+                raise CellctlError(f"The job did not end within {timeout_s:g} s.")
+    raise CellctlError("The daemon has fallen silent.", "Look at its log.")

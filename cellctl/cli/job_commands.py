@@ -1,0 +1,111 @@
+"""Commands to a running daemon: say, build, yes and no, pause, resume, stop, cancel, ..."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cellctl.assembly import Role
+from cellctl.cli.following import follow_job
+from cellctl.cli.options import ConfigOption, RoleOption, client
+from cellctl.errors import UsageError
+from cellctl.messages import ControlReply
+
+WaitOption = Annotated[
+    bool, typer.Option("--wait", help="Stay until the job has ended, and show its progress.")
+]
+
+_PLAIN = {
+    "pause": "Stop at the next safe point.",
+    "resume": "Go on after a pause, a stop or a reset.",
+    "stop": "Brake now; the part stays in the gripper. This is no emergency stop.",
+    "cancel": "End the job; what stands stays.",
+    "reset": "Clear a fault; the cell is paused then, and nothing moves.",
+    "clear": "Declare that nothing stands in the workspace any more.",
+}
+
+
+def read_file(path: Path) -> bytes:
+    """The file's content.
+
+    Raises:
+        UsageError: it cannot be read, or is empty.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}.") from error
+    if not content:
+        raise UsageError(f"{path}: the file is empty.")
+    return content
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+
+    @app.command()
+    def say(
+        text: Annotated[str | None, typer.Argument(help="What you would say.")] = None,
+        wav: Annotated[Path | None, typer.Option(help="A recording to listen to.")] = None,
+        wait: WaitOption = False,
+        config: ConfigOption = None,
+        role: RoleOption = Role.VISITOR,
+    ) -> None:
+        """Ask the cell for something, in words or with a recording."""
+        if (text is None) == (wav is None):
+            raise UsageError("Give either TEXT or --wav FILE.")
+        with client(config, role) as cell:
+            cell.subscribe()
+            if wav is not None:
+                reply = cell.hear(wav.name, read_file(wav))
+            else:
+                assert text is not None
+                reply = cell.say(text)
+            _tell(reply)
+            if wait:
+                raise typer.Exit(int(follow_job(cell, reply.job_id)))
+
+    @app.command()
+    def build(
+        file: Annotated[Path, typer.Argument(help="A mesh (glb, stl, obj, ply) or a plan (json).")],
+        wait: WaitOption = False,
+        config: ConfigOption = None,
+        role: RoleOption = Role.OPERATOR,
+    ) -> None:
+        """Build a mesh or a plan from a file."""
+        with client(config, role) as cell:
+            cell.subscribe()
+            reply = cell.build(file.name, read_file(file))
+            _tell(reply)
+            if wait:
+                raise typer.Exit(int(follow_job(cell, reply.job_id)))
+
+    @app.command()
+    def yes(config: ConfigOption = None, role: RoleOption = Role.VISITOR) -> None:
+        """Answer "Shall I build it?" with yes."""
+        with client(config, role) as cell:
+            _tell(cell.confirm(True))
+
+    @app.command()
+    def no(config: ConfigOption = None, role: RoleOption = Role.VISITOR) -> None:
+        """Answer "Shall I build it?" with no."""
+        with client(config, role) as cell:
+            _tell(cell.confirm(False))
+
+    for name, text in _PLAIN.items():
+        app.command(name, help=text)(_plain(name))
+
+
+def _plain(name: str) -> Callable[..., None]:
+    def command(config: ConfigOption = None, role: RoleOption = Role.OPERATOR) -> None:
+        with client(config, role) as cell:
+            _tell(cell.command(name))
+
+    return command
+
+
+def _tell(reply: ControlReply) -> None:
+    typer.echo(f"{reply.message} [{reply.state}]")

@@ -1,0 +1,301 @@
+"""The physical stages of a build: feed, pick, place, let go, retreat.
+
+Each act is written into the journal as an intent before it and an outcome after it. Where an act is
+cut short, ``Builder.grip`` says how far it came, so that it can be taken up again without doing
+anything twice and without dropping a part.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import structlog
+
+from cellctl.assembling.arm import Arm, ArmState
+from cellctl.assembling.gripper import Gripper
+from cellctl.assembling.route import Route, RoutePlanner, Stance
+from cellctl.assembly import Cell
+from cellctl.clock import Clock
+from cellctl.config import CellConfig
+from cellctl.control.job import Grip, Job
+from cellctl.control.journal import ActKind, Journal
+from cellctl.errors import CellFault, PlanError
+from cellctl.feeding.inventory import Act as Moved
+from cellctl.feeding.inventory import Inventory
+from cellctl.feeding.service import BeltService
+from cellctl.messages import PartOutcome
+
+log = structlog.get_logger(__name__)
+
+_LIFT_SHARE = 0.5
+"""A part counts as lifted when the TCP has risen by this share of a voxel."""
+_LIFT_POLL_S = 0.02
+_HOMING_SPEED_RAD_S = 0.6
+_GRIPPER_TIME_S = 0.5
+"""Typical travel of the latch, for predictions (cell time)."""
+
+
+class Builder:
+    """Moves parts from the belt to their cells.
+
+    Args:
+        config: the cell.
+        clock: cell time.
+        arm, gripper, belt: the devices.
+        journal: where acts are written.
+        inventory: where the parts are; its sum never changes.
+    """
+
+    def __init__(
+        self,
+        config: CellConfig,
+        clock: Clock,
+        *,
+        arm: Arm,
+        gripper: Gripper,
+        belt: BeltService,
+        journal: Journal,
+        inventory: Inventory,
+    ) -> None:
+        self._config = config
+        self._clock = clock
+        self._arm = arm
+        self._gripper = gripper
+        self._belt = belt
+        self._journal = journal
+        self.inventory = inventory
+        self._routes = RoutePlanner(config)
+        self.grip = Grip.NOTHING
+        self.standing: set[Cell] = set()
+        """Cells of the workspace that hold a part."""
+        self._latch_open = False
+        """The gripper has confirmed that it is open since it last closed."""
+        self._missed = False
+        """The last pick left its part at the station; the arm hangs just above it, latched."""
+        self._lift_unchecked = False
+        self._retries = 0
+        self._waited_s = 0.0
+        self._part_began_s: float | None = None
+
+    # --- between jobs -------------------------------------------------------------------------
+
+    def check_at_start(self) -> None:
+        """Refuse to begin with a gripper that may hold something nobody knows of.
+
+        Raises:
+            CellFault: ``gripper_holds``.
+        """
+        state = self._state()
+        if state.digital_inputs >> self._config.gripper.status_input & 1:
+            raise CellFault("gripper_holds")
+
+    def parts_available(self) -> int:
+        """How many parts a plan may use: those on the belt and the one in the gripper."""
+        return self.inventory.available
+
+    def declare_clear(self) -> None:
+        """An operator says that nothing stands any more; its parts are on the belt again."""
+        act = self._journal.intend(ActKind.CLEAR, job_id="")
+        for _ in self.standing:
+            self.inventory.apply(Moved.TAKE_APART)
+        self.standing.clear()
+        self._journal.settle(act, "done")
+
+    # --- the stages ---------------------------------------------------------------------------
+
+    async def feed(self, job: Job, near: Callable[[], None]) -> None:
+        """Wait until a part lies at the pick station; at once when the gripper has one.
+
+        Raises:
+            CellFault: of the belt or the gripper.
+        """
+        if self.grip is Grip.RELEASING:
+            await self._let_go(job)
+        if self.grip is not Grip.NOTHING:
+            return
+        began_s = self._clock.now_s()
+        if self._part_began_s is None:
+            self._part_began_s = began_s
+        step = job.step
+        with self._act(ActKind.FEED, job):
+            self._belt.request_part()
+            await self._belt.part_ready(near)
+        self._waited_s += self._clock.now_s() - began_s
+        log.debug("part ready", step=step.index if step is not None else None)
+
+    async def pick(self, job: Job) -> None:
+        """Take the part at the station; at once when the gripper has one.
+
+        Raises:
+            CellFault: of the arm or the gripper.
+        """
+        if self.grip is Grip.PART:
+            return
+        if self._part_began_s is None:
+            self._part_began_s = self._clock.now_s()
+        with self._act(ActKind.PICK, job):
+            if self.grip is Grip.NOTHING:
+                if not self._latch_open and not self._missed:
+                    await self._open()
+                await self._move(self._routes.to_pick, job)
+                if not self._latch_open:
+                    await self._open()
+                self.grip = Grip.LATCHING
+                self._latch_open = False
+                self.inventory.apply(Moved.PICK)
+            await self._gripper.latch()
+            self.grip = Grip.PART
+            self._missed = False
+            self._lift_unchecked = True
+
+    async def place(self, job: Job) -> bool:
+        """Bring the part to its cell; False when the part stayed at the station.
+
+        Raises:
+            CellFault: of arm, belt or gripper; ``pick_missed`` when trying again did not help.
+        """
+        step = job.step
+        assert step is not None, "placing needs a step"
+        with self._act(ActKind.PLACE, job):
+            move = asyncio.create_task(
+                self._move(
+                    lambda start, placed: self._routes.to_cell(step.cell, placed, start), job
+                )
+            )
+            try:
+                if self._lift_unchecked and not await self._lifted(move):
+                    await self._arm.stop()
+                    self._give_up_pick()
+                    return False
+                self._lift_unchecked = False
+                if job.placed + 1 < len(self._steps(job)) and not job.cancelling:
+                    self._belt.request_part()
+                await move
+            finally:
+                move.cancel()
+                await asyncio.gather(move, return_exceptions=True)
+        return True
+
+    async def release(self, job: Job) -> PartOutcome:
+        """Let the part go at its cell and count it.
+
+        Raises:
+            CellFault: of the gripper.
+        """
+        step = job.step
+        assert step is not None, "letting go needs a step"
+        with self._act(ActKind.RELEASE, job):
+            self.grip = Grip.RELEASING
+            await self._let_go(job)
+        now_s = self._clock.now_s()
+        began_s = self._part_began_s if self._part_began_s is not None else now_s
+        outcome = PartOutcome(
+            step=step.index,
+            cell=step.cell,
+            seconds=round(now_s - began_s, 3),
+            waited_s=round(self._waited_s, 3),
+            retries=self._retries,
+        )
+        job.outcomes.append(outcome)
+        job.placed += 1
+        self._part_began_s, self._waited_s, self._retries = now_s, 0.0, 0
+        return outcome
+
+    async def retreat(self, job: Job) -> None:
+        """Go up and home.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        with self._act(ActKind.RETREAT, job):
+            carrying = self.grip is not Grip.NOTHING
+            await self._move(
+                lambda start, placed: self._routes.retreat(start, placed, carrying=carrying), job
+            )
+            await self._move(
+                lambda start, placed: self._routes.to_home(start, placed, carrying=carrying), job
+            )
+        self._part_began_s = None
+
+    # --- inside -------------------------------------------------------------------------------
+
+    async def _let_go(self, job: Job) -> None:
+        """Open at the cell of the job's step, and count the part as standing there."""
+        await self._open()
+        self.grip = Grip.NOTHING
+        step = job.step
+        if step is not None:
+            self.standing.add(step.cell)
+        self.inventory.apply(Moved.PLACE)
+
+    async def _open(self) -> None:
+        await self._gripper.unlatch()
+        self._latch_open = True
+
+    async def _move(self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job) -> None:
+        """Plan a checked route from where the arm is, and follow it."""
+        state = self._state()
+        stance = Stance(state.tcp_pose, state.joints_rad)
+        try:
+            route = await asyncio.to_thread(plan, stance, frozenset(self.standing))
+        except PlanError as error:
+            raise CellFault("no_route", error.message) from error
+        if not route.path:
+            return
+        if job.first_motion_s is None:
+            job.first_motion_s = self._clock.now_s()
+        await self._arm.follow(route.path, route.duration_s)
+
+    async def _lifted(self, move: asyncio.Task[None]) -> bool:
+        """Whether the station is empty once the TCP has risen from it."""
+        base_m = self._routes.pick_stance().tcp_pose[2]
+        height_m = base_m + _LIFT_SHARE * self._config.voxel.pitch_m
+        while not move.done() and self._state().tcp_pose[2] < height_m:
+            await self._clock.sleep(_LIFT_POLL_S)
+        if move.done():
+            await move
+        return not (await self._belt.state()).part_present
+
+    def _give_up_pick(self) -> None:
+        """The part is still at the station: nothing is in the gripper, whatever it reports."""
+        self.grip = Grip.NOTHING
+        self._missed, self._lift_unchecked = True, False
+        self.inventory.apply(Moved.MISS)
+        self._retries += 1
+        log.warning("pick missed", retry=self._retries)
+        if self._retries > self._config.gripper.retries:
+            self._retries = 0
+            raise CellFault("pick_missed")
+
+    def _state(self) -> ArmState:
+        state = self._arm.state()
+        if state is None:
+            raise CellFault("robot_lost")
+        return state
+
+    @staticmethod
+    def _steps(job: Job) -> tuple[object, ...]:
+        assert job.plan is not None, "a build has a plan"
+        return job.plan.steps
+
+    @contextmanager
+    def _act(self, kind: ActKind, job: Job) -> Iterator[None]:
+        """An intent before, an outcome after, whatever happens between."""
+        step = job.step
+        act = self._journal.intend(
+            kind,
+            job.job_id,
+            step.index if step is not None else None,
+            step.cell if step is not None else None,
+        )
+        try:
+            yield
+        except asyncio.CancelledError:
+            self._journal.settle(act, "interrupted")
+            raise
+        except Exception as error:
+            self._journal.settle(act, "failed", str(error))
+            raise
+        self._journal.settle(act, "done")

@@ -1,0 +1,165 @@
+"""The daemon: puts the cell together, runs it until a signal, and takes it apart again."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+import structlog
+
+from cellctl import __version__
+from cellctl.assembling.arm import Arm
+from cellctl.assembling.arm_process import RemoteArm
+from cellctl.assembling.latch_gripper import LatchGripper
+from cellctl.clock import Clock, SystemClock
+from cellctl.config import CellConfig
+from cellctl.control.building import Builder
+from cellctl.control.bus import Bus
+from cellctl.control.cell import Cell, Devices
+from cellctl.control.health import LoopMonitor
+from cellctl.control.journal import MemoryJournal
+from cellctl.control.monitor import ArmMonitor, arm_view
+from cellctl.control.requests import RequestDesk
+from cellctl.errors import HearingError
+from cellctl.feeding.conveyor import Conveyor
+from cellctl.feeding.inventory import Inventory
+from cellctl.feeding.service import BeltService
+from cellctl.listening.hearing import Hearing
+from cellctl.messages import FaultData, GripperData, Snapshot, StatusData
+from cellctl.worker import WorkerProcess
+
+log = structlog.get_logger(__name__)
+
+_CLOSE_PATIENCE_S = 10.0
+
+
+class Daemon:
+    """One cell, put together from its configuration.
+
+    Args:
+        config: the cell.
+    """
+
+    def __init__(self, config: CellConfig) -> None:
+        self.config = config
+        self.clock: Clock = SystemClock(config.cell.clock_rate)
+        self.bus = Bus(config.bus.status, config.bus.control, self.clock)
+        self.loop_monitor = LoopMonitor()
+        self.journal = MemoryJournal(self.clock)
+        self.arm: Arm = RemoteArm(config, self.clock)
+        self.hearing = Hearing(config.hearing)
+        inventory = Inventory.full(config.limits.inventory_parts)
+        belt = BeltService(Conveyor(config.feeder, self.clock), config.feeder, self.clock)
+        self.designer = WorkerProcess("planner")
+        self.devices = Devices(self.arm, belt, self.hearing, self.designer)
+        gripper = LatchGripper(self.arm, config.gripper, self.clock)
+        self.builder = Builder(config, self.clock, self.arm, gripper, belt, self.journal, inventory)
+        self.cell = Cell(config, self.clock, self.devices, self.builder, self.bus.publish)
+        self.desk = RequestDesk(self.cell, self.hearing, self.bus.publish, self.snapshot)
+
+    def snapshot(self) -> Snapshot:
+        """The whole picture for one who joins late."""
+        cell, job = self.cell, self.cell.job
+        latched = cell.controller.latched
+        return Snapshot(
+            seq=self.bus.seq,
+            version=__version__,
+            cell=self.config.cell.name,
+            kind=self.config.cell.kind,
+            grid=self.config.grid,
+            state=cell.last_state.model_copy(update={"state": cell.controller.state}),
+            job=job.view() if job is not None else None,
+            plan=job.plan if job is not None else None,
+            parts=tuple(job.outcomes) if job is not None else (),
+            standing=tuple(sorted(self.builder.standing)),
+            inventory=self.builder.inventory_view(),
+            arm=arm_view(self.arm.state()),
+            conveyor=self.devices.belt.view(),
+            gripper=GripperData(holding=self.builder.grip.value),
+            fault=latched.view() if latched is not None else FaultData(),
+            health=self.loop_monitor.health(cell.controller.inbox_size),
+            recogniser=cell.recogniser,
+        )
+
+    def _state(self) -> str:
+        return self.cell.controller.state
+
+    def _publish(self, data: StatusData) -> None:
+        self.bus.publish(data, self._state())
+
+    async def _heartbeat(self) -> None:
+        while True:
+            self._publish(self.loop_monitor.health(self.cell.controller.inbox_size))
+            await asyncio.sleep(self.config.bus.heartbeat_s)
+
+    async def _warm_up_ears(self) -> None:
+        try:
+            self.cell.recogniser = await self.hearing.warm_up()
+        except HearingError as error:
+            self.cell.recogniser = "none"
+            log.warning("no speech recognition; typed requests work", reason=str(error))
+
+    async def run(self) -> None:
+        """Run until SIGTERM or SIGINT, then let go of everything.
+
+        Raises:
+            ConfigError: the bus's end points are taken.
+        """
+        stop = asyncio.Event()
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(number, stop.set)
+        log.info("cellctl starts", version=__version__, cell=self.config.cell.name)
+        try:
+            async with self.running():
+                await stop.wait()
+        finally:
+            for number in (signal.SIGTERM, signal.SIGINT):
+                loop.remove_signal_handler(number)
+        log.info("cellctl ended")
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Run the cell for as long as the context lasts."""
+        self.bus.open()
+        monitor = ArmMonitor(self.arm, self.clock, self.cell.controller, self._publish)
+        async with AsyncExitStack() as stack:
+            stack.callback(self.bus.close)
+            stack.push_async_callback(self._close_devices)
+            for name, work in (
+                ("controller", self.cell.controller.run()),
+                (
+                    "control socket",
+                    self.bus.serve(self.desk.handle, lambda: self.cell.controller.state),
+                ),
+                ("heartbeat", self._heartbeat()),
+                ("loop monitor", self.loop_monitor.run()),
+                ("arm monitor", monitor.run()),
+                ("ears", self._warm_up_ears()),
+            ):
+                task = asyncio.create_task(work, name=name)
+                stack.push_async_callback(_end, task)
+            yield
+
+    async def _close_devices(self) -> None:
+        await self.desk.close()
+        for name, close in (
+            ("arm", self.arm.close()),
+            ("belt", self.devices.belt.close()),
+            ("recogniser", self.hearing.close()),
+            ("planner", self.designer.close()),
+        ):
+            try:
+                async with asyncio.timeout(_CLOSE_PATIENCE_S):
+                    await close
+            except Exception:
+                log.exception("closing failed", device=name)
+
+
+async def _end(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task

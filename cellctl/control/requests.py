@@ -1,0 +1,224 @@
+"""The request desk: from a request on the bus to an event in the inbox, roles checked."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+
+import structlog
+
+from cellctl.assembly import Role, Utterance
+from cellctl.control.audio import audio_file
+from cellctl.control.cell import Cell
+from cellctl.control.states import Event
+from cellctl.errors import CellctlError, HearingError, RefusedError, UsageError
+from cellctl.listening.hearing import Hearing
+from cellctl.listening.request import control_word
+from cellctl.messages import (
+    OPERATOR_COMMANDS,
+    BuildCommand,
+    ConfirmCommand,
+    ControlReply,
+    ControlRequest,
+    HearCommand,
+    PlainCommand,
+    ReplyError,
+    SayCommand,
+    Snapshot,
+    SpeechData,
+    StatusData,
+)
+
+log = structlog.get_logger(__name__)
+
+_OVERHEARING_LIMIT = 4
+"""How many recordings may wait to be heard while a job is under way."""
+
+_EVENTS = {
+    "pause": Event.PAUSE,
+    "stop": Event.STOP,
+    "cancel": Event.CANCEL,
+    "reset": Event.RESET,
+    "clear": Event.CLEAR,
+}
+_DONE = {
+    "pause": "Pausing at the next safe point.",
+    "resume": "Going on.",
+    "stop": "Stopping now; the part stays in the gripper.",
+    "cancel": "Ending the job; what stands stays.",
+    "reset": "Clearing the fault; nothing moves until you resume.",
+    "clear": "The workspace counts as empty.",
+}
+_WORDS: dict[str, str | bool] = {
+    "stop": "stop",
+    "pause": "pause",
+    "resume": "resume",
+    "cancel": "cancel",
+    "yes": True,
+    "no": False,
+}
+
+
+class RequestDesk:
+    """Answers the requests of visitors and operators.
+
+    Args:
+        cell: the cell that the requests are for.
+        hearing: recognises speech that comes while a job is under way.
+        publish: sends a status message; gets the data and the state.
+        snapshot: makes the whole picture.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        hearing: Hearing,
+        publish: Callable[[StatusData, str], None],
+        snapshot: Callable[[], Snapshot],
+    ) -> None:
+        self._cell = cell
+        self._hearing = hearing
+        self._publish = publish
+        self._snapshot = snapshot
+        self._overhearing: set[asyncio.Task[None]] = set()
+
+    async def handle(self, request: ControlRequest, attachment: bytes | None) -> ControlReply:
+        """Carry one request out; never raises."""
+        body = request.body
+        try:
+            message = await self._dispatch(request, attachment)
+        except CellctlError as error:
+            code = "refused" if isinstance(error, RefusedError) else "usage"
+            return self._reply(
+                request, error=ReplyError(code=code, message=error.message, hint=error.hint)
+            )  # type: ignore[arg-type]
+        except Exception as error:
+            log.exception("request failed", command=body.command)
+            text = f"{type(error).__name__}: {error}"
+            return self._reply(request, error=ReplyError(code="internal", message=text))
+        snapshot = self._snapshot() if body.command == "snapshot" else None
+        return self._reply(request, message=message, snapshot=snapshot)
+
+    def _reply(
+        self,
+        request: ControlRequest,
+        *,
+        message: str = "",
+        snapshot: Snapshot | None = None,
+        error: ReplyError | None = None,
+    ) -> ControlReply:
+        job = self._cell.job
+        return ControlReply(
+            id=request.id,
+            ok=error is None,
+            state=self._cell.controller.state,
+            message=message,
+            job_id=job.job_id if job is not None else "",
+            snapshot=snapshot,
+            error=error,
+        )
+
+    async def _dispatch(self, request: ControlRequest, attachment: bytes | None) -> str:
+        body, role = request.body, request.role
+        if role is not Role.OPERATOR and body.command in OPERATOR_COMMANDS:
+            raise RefusedError(f"{body.command} needs the operator.")
+        match body:
+            case SayCommand():
+                return await self._say(body.text, role)
+            case HearCommand():
+                return await self._hear(body.name, _file(attachment, body.name), role)
+            case BuildCommand():
+                content = _file(attachment, body.name)
+                self._refuse_if_occupied()
+                await self._cell.controller.command(
+                    Event.BUILD, lambda: self._cell.begin_upload(body.name, content, role)
+                )
+                return f"Planning {body.name}."
+            case ConfirmCommand():
+                return await self._word(body.answer)
+            case PlainCommand():
+                return await self._word(body.command)
+            case _:
+                return ""
+
+    async def _word(self, word: str | bool) -> str:
+        """Carry out a command without arguments, or a yes or no."""
+        controller = self._cell.controller
+        if isinstance(word, bool):
+            await controller.command(Event.CONFIRM if word else Event.DECLINE)
+            return "Then I begin." if word else "Then I leave it."
+        if word == "resume":
+            await controller.command(self._cell.resume_event())
+        elif word == "clear":
+            await controller.command(Event.CLEAR, self._cell.builder.declare_clear)
+        else:
+            await controller.command(_EVENTS[word])
+        return _DONE[word]
+
+    async def _say(self, text: str, role: Role) -> str:
+        word = control_word(text)
+        if word is not None:
+            return await self._spoken_word(word, role)
+        self._refuse_if_occupied()
+        utterance = Utterance(text=text, source="text")
+        await self._cell.controller.command(
+            Event.SAY, lambda: self._cell.begin_text(utterance, role)
+        )
+        return "I am thinking about it."
+
+    async def _hear(self, name: str, wav: bytes, role: Role) -> str:
+        if self._cell.controller.state == "idle":
+            self._refuse_if_occupied()
+            await self._cell.controller.command(
+                Event.HEAR, lambda: self._cell.begin_audio(name, wav, role)
+            )
+            return "I am listening."
+        if len(self._overhearing) >= _OVERHEARING_LIMIT:
+            raise RefusedError("Too many recordings wait to be heard.", "Try again in a moment.")
+        task = asyncio.create_task(self._overhear(name, wav, role), name="overhear")
+        self._overhearing.add(task)
+        task.add_done_callback(self._overhearing.discard)
+        return "I am busy; I listen for stop and the like only."
+
+    async def _overhear(self, name: str, wav: bytes, role: Role) -> None:
+        """While a job is under way only the words of command count."""
+        try:
+            with audio_file(wav) as path:
+                utterance = await self._hearing.hear_wav(path)
+            self._publish(SpeechData(utterance=utterance), self._cell.controller.state)
+            word = control_word(utterance.text)
+            if word is None:
+                log.info("heard while busy", text=utterance.text)
+                return
+            await self._spoken_word(word, role)
+        except (RefusedError, HearingError) as error:
+            log.info("heard while busy", name=name, reason=str(error))
+
+    async def _spoken_word(self, word: str, role: Role) -> str:
+        meaning = _WORDS.get(word)
+        if meaning is None:
+            raise UsageError(f"{word!r} is no command of this cell.")
+        if role is not Role.OPERATOR and meaning in OPERATOR_COMMANDS:
+            raise RefusedError(f"{word} needs the operator.")
+        return await self._word(meaning)
+
+    def _refuse_if_occupied(self) -> None:
+        if self._cell.controller.state == "idle" and self._cell.builder.standing:
+            raise RefusedError(
+                f"{len(self._cell.builder.standing)} parts stand in the workspace.",
+                "Take them out, then say `cellctl clear`.",
+            )
+
+    async def close(self) -> None:
+        """End what is still being listened to."""
+        for task in list(self._overhearing):
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await task
+
+
+def _file(attachment: bytes | None, name: str) -> bytes:
+    if not attachment:
+        raise UsageError(f"{name}: the request carries no file, or an empty one.")
+    return attachment
