@@ -29,7 +29,7 @@ from cellctl.messages import PartOutcome
 
 log = structlog.get_logger(__name__)
 
-_LIFT_SHARE = 0.5
+_LIFT_SHARE = 0.7
 """A part counts as lifted when the TCP has risen by this share of a voxel."""
 _LIFT_POLL_S = 0.02
 _HOMING_SPEED_RAD_S = 0.6

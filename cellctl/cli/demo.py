@@ -1,0 +1,259 @@
+"""The demonstration: a spoken wish, built by the emulated cell, judged by its world.
+
+The emulated cell and the daemon run as processes of their own, as they would for anybody else; this
+module is their visitor. It speaks, watches the status stream, and at the end compares what the plan
+says with what the world says.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from cellctl.assembly import Cell, Role
+from cellctl.cli.following import follow_job
+from cellctl.client import CellClient
+from cellctl.config import CellConfig
+from cellctl.errors import CellctlError, ExitStatus
+from cellctl.messages import Snapshot
+from cellctl.sim.isolation import isolated, write_config
+from cellctl.sim.spawn import emulated_cell
+
+_START_PATIENCE_S = 60.0
+_END_PATIENCE_S = 15.0
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the demonstration's visitor gives to the cell."""
+
+    text: str | None
+    """Typed or to be spoken; None when there is a recording."""
+    wav: Path | None
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What stands in the world, and what it holds against the cell."""
+
+    cells: tuple[Cell, ...]
+    fallen: int
+    violations: tuple[dict[str, Any], ...]
+
+
+@contextmanager
+def running_daemon(config: CellConfig, folder: Path) -> Iterator[Path]:
+    """``cellctl run`` as a process of its own; yields its log file.
+
+    Raises:
+        CellctlError: it ended before it was asked to.
+    """
+    file, log = folder / "cell.toml", folder / "daemon.log"
+    write_config(config, file)
+    with log.open("wb") as sink:
+        process = subprocess.Popen(  # noqa: S603 - our own program
+            [sys.executable, "-m", "cellctl", "run", "--config", str(file)],
+            stdin=subprocess.DEVNULL,
+            stdout=sink,
+            stderr=sink,
+        )
+    try:
+        yield log
+        if process.poll() is not None:
+            raise CellctlError(f"The daemon ended by itself with status {process.returncode}.")
+    finally:
+        process.terminate()
+        try:
+            process.wait(_END_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def demonstrate(
+    config: CellConfig, wish: Wish, console: Console
+) -> tuple[ExitStatus, dict[str, Any], Truth]:
+    """Run the demonstration.
+
+    Args:
+        config: an emulated cell whose policy waives the confirmation.
+        wish: what to ask for.
+        console: where to show it.
+
+    Returns:
+        How it ended, the report, and the world's truth.
+    """
+    began_s = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        own = isolated(config, folder)
+        wav = wish.wav if wish.wav is not None else _spoken(wish.text or "", folder, console)
+        with (
+            emulated_cell(own) as world,
+            running_daemon(own, folder) as log,
+            CellClient(own.bus.control, own.bus.status, Role.VISITOR) as cell,
+        ):
+            try:
+                _wait_idle(cell)
+                cell.subscribe()
+                reply = cell.hear(wav.name, wav.read_bytes())
+                status = follow_job(cell, reply.job_id, console)
+                snapshot = cell.snapshot()
+            except CellctlError:
+                console.print(log.read_text(errors="replace")[-4000:], markup=False)
+                raise
+            truth = _truth(world.truth())
+    report = make_report(snapshot, truth)
+    report["wall_seconds"] = round(time.monotonic() - began_s, 1)
+    report["speed"] = config.cell.clock_rate
+    if status is ExitStatus.DONE and not (report["matches_plan"] and not report["violations"]):
+        status = ExitStatus.DIFFERS
+    report["exit_status"] = int(status)
+    return status, report, truth
+
+
+def make_report(snapshot: Snapshot, truth: Truth) -> dict[str, Any]:
+    """What was asked, what was planned and what stands, for people and programs."""
+    job, plan = snapshot.job, snapshot.plan
+    planned = set(plan.assembly.cells) if plan is not None else set()
+    seconds = [part.seconds for part in snapshot.parts]
+    return {
+        "heard": job.utterance.text if job is not None and job.utterance is not None else "",
+        "recogniser": (
+            job.utterance.recogniser if job is not None and job.utterance is not None else ""
+        ),
+        "understood": (
+            job.request.model_dump(mode="json")
+            if job is not None and job.request is not None
+            else None
+        ),
+        "plan": plan.model_dump(mode="json") if plan is not None else None,
+        "built": [list(cell) for cell in truth.cells],
+        "fallen": truth.fallen,
+        "matches_plan": plan is not None and set(truth.cells) == planned and not truth.fallen,
+        "violations": list(truth.violations),
+        "parts": len(truth.cells),
+        "seconds_per_part": round(sum(seconds) / len(seconds), 2) if seconds else None,
+        "seconds_to_first_motion": _difference(job, "first_motion_s"),
+        "seconds_total": _difference(job, "finished_s"),
+        "state": snapshot.state.state,
+        "outcome": job.outcome if job is not None else "",
+        "message": job.message if job is not None else "",
+        "fault": snapshot.fault.model_dump(mode="json") if snapshot.fault.entry else None,
+    }
+
+
+def _difference(job: Any, name: str) -> float | None:
+    """Cell time from the end of speech to a moment of the job."""
+    moment = getattr(job, name, None)
+    if job is None or moment is None or job.end_of_speech_s is None:
+        return None
+    return round(float(moment) - float(job.end_of_speech_s), 2)
+
+
+def _truth(raw: dict[str, Any]) -> Truth:
+    built: Sequence[Sequence[int]] = raw["built"]
+    cells = sorted(Cell(int(c[0]), int(c[1]), int(c[2])) for c in built)
+    return Truth(
+        cells=tuple(sorted(cells, key=lambda cell: (cell.z, cell.x, cell.y))),
+        fallen=len(raw["fallen"]),
+        violations=tuple(raw["violations"]),
+    )
+
+
+def _wait_idle(cell: CellClient) -> None:
+    cell.wait_ready(_START_PATIENCE_S)
+    deadline_s = time.monotonic() + _START_PATIENCE_S
+    while True:
+        snapshot = cell.snapshot()
+        if snapshot.state.state == "idle":
+            return
+        if snapshot.state.state.startswith("fault") or time.monotonic() > deadline_s:
+            entry = snapshot.fault.entry
+            reason = f"{entry.title} {snapshot.fault.detail}" if entry else "it takes too long"
+            raise CellctlError(f"The cell does not start: {reason}")
+        time.sleep(0.05)
+
+
+def _spoken(text: str, folder: Path, console: Console) -> Path:
+    from cellctl.listening.voice import speak_to_wav  # noqa: PLC0415 - optional part
+
+    path = folder / "wish.wav"
+    voice = speak_to_wav(text, path)
+    console.print(f"[green]{'spoken':<26}[/] {text!r} by {voice}")
+    return path
+
+
+def write_report(report: dict[str, Any], path: Path) -> None:
+    """Write the report as JSON."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+
+
+def draw(report: dict[str, Any], truth: Truth, config: CellConfig, path: Path) -> None:
+    """Draw what stands in the world; parts that the plan does not know are red."""
+    from cellctl.cli.picture import draw_assembly  # noqa: PLC0415 - optional part
+
+    plan = report["plan"]
+    planned = {Cell(*cell) for cell in plan["assembly"]["cells"]} if plan is not None else set()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    seconds = report["seconds_per_part"]
+    caption = f"{len(truth.cells)} parts" + (f", {seconds:.1f} s a part" if seconds else "")
+    draw_assembly(
+        truth.cells,
+        config.grid,
+        path,
+        title=f"“{report['heard']}”",
+        caption=caption,
+        pitch_m=config.voxel.pitch_m,
+        wrong=[cell for cell in truth.cells if cell not in planned],
+        missing=[cell for cell in planned if cell not in truth.cells],
+    )
+
+
+def summarise(
+    console: Console, report: dict[str, Any], picture: Path | None, file: Path | None
+) -> None:
+    """Say at the end what was asked, what was built, and whether it is right."""
+    table = Table.grid(padding=(0, 2))
+    plan, phrase = report["plan"], (report["understood"] or {}).get("phrase", "")
+    table.add_row("[bold]asked[/]", repr(report["heard"]), f"understood: {phrase}")
+    if plan is not None:
+        edges = " x ".join(f"{n}" for n in _extent(plan["assembly"]["cells"]))
+        table.add_row("[bold]planned[/]", f"{plan['title']}, {edges} cells")
+        for change in plan["changes"]:
+            table.add_row("", f"changed: {change['what']}", change["why"])
+    if report["parts"]:
+        table.add_row("[bold]built[/]", f"{report['parts']} parts")
+        match = "is what was planned" if report["matches_plan"] else "[red]differs from the plan[/]"
+        table.add_row("[bold]world[/]", f"what stands {match}")
+    for violation in report["violations"]:
+        table.add_row("[bold red]held against it[/]", violation["kind"], violation["message"])
+    if report["seconds_per_part"] is not None:
+        table.add_row(
+            "[bold]time[/]",
+            f"{report['seconds_per_part']:.1f} s a part, {report['seconds_total']:.0f} s in all",
+            f"cell time; {report['wall_seconds']:.0f} s of yours",
+        )
+    table.add_row("[bold]says[/]", report["message"])
+    if picture is not None:
+        table.add_row("[bold]picture[/]", str(picture))
+    if file is not None:
+        table.add_row("[bold]report[/]", str(file))
+    console.print()
+    console.print(table)
+
+
+def _extent(cells: Sequence[Sequence[int]]) -> list[int]:
+    return [max(axis) - min(axis) + 1 for axis in zip(*cells, strict=True)] if cells else [0, 0, 0]
