@@ -35,14 +35,23 @@ Port = Annotated[int, Field(ge=1, le=65535)]
 class Section(BaseModel):
     """Base of every table of the file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _arrays_are_tuples(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return {key: tuple(v) if isinstance(v, list) else v for key, v in data.items()}
 
 
 class CellSection(Section):
     """What this cell is."""
 
     name: Annotated[str, Field(min_length=1, max_length=80)]
+    """What people call it."""
     kind: Literal["real", "emulated"]
+    """``emulated`` lets ``cellctl sim`` and ``cellctl demo`` stand in for the metal."""
     clock_rate: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
     """Cell seconds per wall second; anything but 1.0 needs ``kind = "emulated"``."""
 
@@ -53,12 +62,14 @@ class WorkspaceSection(Section):
     frame: Pose
     """Minimum corner of the building space, on the floor."""
     size_m: tuple[Positive, Positive, Positive]
+    """Along x, y and z; as many whole cells as fit are used."""
 
 
 class BaseSection(Section):
     """Where the robot stands."""
 
     frame: Pose
+    """The robot's base frame, as the pendant's *Base* feature has it."""
 
 
 class PedestalSection(Section):
@@ -67,6 +78,7 @@ class PedestalSection(Section):
     frame: Pose
     """Centre of its top face."""
     size_m: tuple[Positive, Positive, Positive]
+    """Along x, y and z."""
 
 
 class ToolSection(Section):
@@ -77,41 +89,56 @@ class ToolSection(Section):
     width_m: Positive
     """Edge of the square that the gripper's body needs, seen from above."""
     height_m: Positive
+    """From the flange to the gripper's lower face."""
     payload_kg: Annotated[float, Field(gt=0.0, le=12.5)]
     """Gripper and one voxel together."""
     payload_cog_m: Vector
+    """Centre of gravity of that payload, in the flange frame."""
 
 
 class VoxelSection(Section):
     """The reusable part."""
 
     pitch_m: Annotated[float, Field(ge=0.02, le=0.25)]
+    """Edge of a cell: the distance from one part's centre to its neighbour's."""
     mass_kg: Positive
+    """Mass of one part."""
 
 
 class LimitsSection(Section):
     """What can be built, after the paper's section 3.3."""
 
     inventory_parts: Annotated[int, Field(ge=1, le=1000)]
+    """Most parts that one object may have."""
     overhang_cells: Annotated[int, Field(ge=0, le=50)]
+    """Most cells that a row may reach out from the last supported one."""
     stack_cells: Annotated[int, Field(ge=1, le=50)]
+    """Most cells on top of each other without a neighbour at their side."""
 
 
 class RobotSection(Section):
     """The arm and its controller."""
 
     model: Literal["ur10", "ur10e"]
+    """What the controller must say that it is; another one is a fault."""
     host: Annotated[str, Field(min_length=1)]
+    """Name or address of the robot's controller."""
     dashboard_port: Port = 29999
+    """TCP port of its dashboard server; the other ports are fixed."""
     rtde_frequency_hz: Literal[125, 500]
+    """How often the controller reports; a ur10 (CB3) knows 125 only."""
     home_rad: Joints
     """Where the arm rests between jobs, clear of everything."""
     travel_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)]
+    """Speed of the TCP between feeder and workspace."""
     travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=10.0)]
+    """Acceleration of the TCP, everywhere."""
     approach_speed_m_s: Annotated[float, Field(gt=0.0, le=1.0)]
     """Speed over the last stretch, where parts touch."""
     approach_height_m: Annotated[float, Field(gt=0.0, le=0.2)]
+    """Length of that stretch."""
     blend_radius_m: Annotated[float, Field(ge=0.0, le=0.2)]
+    """How round the corners of a path may be; 0 stops at each."""
     clearance_m: Annotated[float, Field(gt=0.0, le=0.3)]
     """Least distance between a carried part and what it crosses."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
@@ -119,6 +146,7 @@ class RobotSection(Section):
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0
     """The arm process stops the arm when the daemon says nothing for this long (wall time)."""
     connect_timeout_s: Positive = 10.0
+    """For connecting to the controller and starting its program."""
     move_timeout_factor: Annotated[float, Field(ge=1.2, le=20.0)] = 3.0
     """A movement that takes this many times its planned duration, plus 2 s, is a fault."""
 
@@ -131,6 +159,7 @@ class GripperSection(Section):
     status_input: Annotated[int, Field(ge=0, le=7)]
     """Standard digital input; high while a completed latch is confirmed."""
     travel_timeout_s: Positive
+    """For the latch to move and say so (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1
     """How often a silent gripper or a missed pick is tried again before it is a fault."""
 
@@ -141,8 +170,11 @@ class FeederSection(Section):
     frame: Pose
     """Centre of the top face of the part that waits at the pick station; x along the feed."""
     port: Annotated[str, Field(min_length=1)]
+    """Serial port of the conveyor's board."""
     baud: Literal[9600, 19200, 38400, 57600, 115200] = 115200
+    """Bits per second on that port."""
     capacity_parts: Annotated[int, Field(ge=1, le=1000)]
+    """How many parts a full belt holds."""
     width_m: Positive
     """Width of the belt, an obstacle."""
     reply_timeout_s: Positive = 0.3
@@ -150,12 +182,14 @@ class FeederSection(Section):
     index_timeout_s: Positive = 10.0
     """For bringing one part to the pick station (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1
+    """How often an index that brought nothing is tried again before it is a fault."""
 
 
 class HearingSection(Section):
     """Where words come from."""
 
     language: Literal["en", "ko"] = "en"
+    """The language that is recognised."""
     model_path: str | None = None
     """A Vosk model folder; when set it must be good, nothing else is tried."""
     model_folder: str = "/var/lib/cellctl/models"
@@ -163,12 +197,14 @@ class HearingSection(Section):
     allow_download: bool = False
     """May fetch the pinned English Vosk model when none is found."""
     max_audio_s: Annotated[float, Field(ge=1.0, le=120.0)] = 30.0
+    """Longer recordings are refused."""
 
 
 class PlanningSection(Section):
     """How a shape becomes a plan."""
 
     scale_unitless_to_workspace: bool = True
+    """A mesh without a unit is scaled until it fills the workspace; else it is taken as metres."""
     timeout_s: Positive = 60.0
     """For one plan (wall time)."""
 
@@ -177,8 +213,11 @@ class BusSection(Section):
     """ZeroMQ end points; loopback or ipc only."""
 
     status: str = "tcp://127.0.0.1:5571"
+    """Where status is published."""
     control: str = "tcp://127.0.0.1:5572"
+    """Where commands are taken."""
     heartbeat_s: Annotated[float, Field(gt=0.0, le=10.0)] = 1.0
+    """Longest silence on the status stream (wall time)."""
 
     @model_validator(mode="after")
     def _loopback_only(self) -> Self:
@@ -189,6 +228,8 @@ class BusSection(Section):
                     f"{name} must be ipc:// or tcp://127.x.x.x (not {endpoint!r}): "
                     "the bus is not encrypted"
                 )
+        if self.status == self.control:
+            raise ValueError(f"status and control must differ (both are {self.status!r})")
         return self
 
 
@@ -207,6 +248,7 @@ class EmulationSection(Section):
     control: str = "tcp://127.0.0.1:5573"
     """Where faults are injected and the world's truth is read."""
     seed: int = 1
+    """Of everything that is random in it."""
     controller_version: Literal["3.15", "5.12"] = "5.12"
     """Controller software to emulate; 3.15 is a CB3 with 125 Hz."""
 
@@ -240,6 +282,8 @@ class CellConfig(Section):
             raise ValueError("an emulated cell needs an [emulation] table")
         if self.robot.model == "ur10" and self.robot.rtde_frequency_hz != 125:
             raise ValueError("robot.rtde_frequency_hz must be 125 for a ur10 (CB3 controller)")
+        if self.robot.model == "ur10" and self.tool.payload_kg > 10.0:
+            raise ValueError("tool.payload_kg must be at most 10.0 for a ur10")
         if min(self.workspace.size_m) < self.voxel.pitch_m:
             raise ValueError("workspace.size_m must hold at least one voxel on every axis")
         return self
@@ -300,31 +344,65 @@ def parse_config(data: dict[str, Any], origin: str) -> CellConfig:
         raise ConfigError("\n".join(lines)) from error
 
 
+UNITS = {
+    "_m_s2": "metres per second squared",
+    "_m_s": "metres per second",
+    "_kg": "kilograms",
+    "_hz": "hertz",
+    "_rad": "radians",
+    "_m": "metres",
+    "_s": "seconds",
+}
+"""What the endings of option names mean; the longer ones first."""
+
+
+def unit_of(name: str) -> str:
+    """The unit that an option's name ends in, in words; empty for none."""
+    return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+
+
 def _explain(item: Any) -> str:
     location = list(item["loc"])
-    key = ".".join(str(part) for part in location) or "(whole file)"
+    key = ".".join(str(part) for part in location if isinstance(part, str)) or "(whole file)"
+    key += "".join(f"[{part}]" for part in location if isinstance(part, int))
     kind = item["type"]
     if kind == "extra_forbidden":
-        names = _names_beside(location)
-        near = difflib.get_close_matches(str(location[-1]), names, n=1, cutoff=0.4)
-        if near:
-            prefix = [str(part) for part in location[:-1]]
-            return f"{key}: unknown key; did you mean {'.'.join([*prefix, near[0]])}?"
-        return f"{key}: unknown key; known here: {', '.join(sorted(names))}."
+        return f"{key}: unknown key; {_suggest([str(part) for part in location])}"
     if kind == "missing":
         return f"{key}: is missing."
-    message = item["msg"].removeprefix("Value error, ")
-    message = message[0].lower() + message[1:]
-    if kind in ("value_error",):
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{key} = {item['input']!r}: must be a table, [{key}]."
+    message = item["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    message = message[0].lower() + message[1:].replace("tuple", "array")
+    if kind == "value_error":
         return f"{key}: {message}." if location else f"{message}."
-    return f"{key} = {item['input']!r}: {message}."
+    names = [part for part in location if isinstance(part, str)]
+    unit = unit_of(names[-1]) if names else ""
+    number = f" (in {unit})" if unit else ""
+    return f"{key} = {item['input']!r}: {message.replace('should', 'must', 1)}{number}."
 
 
-def _names_beside(location: list[Any]) -> list[str]:
-    """The keys that the table at ``location[:-1]`` may hold."""
-    model: Any = CellConfig
-    for part in location[:-1]:
-        annotation = model.model_fields[part].annotation
-        options = [annotation, *get_args(annotation)]
+def _suggest(location: list[str]) -> str:
+    """The valid name that an unknown one most likely stands for."""
+    *tables, name = location
+    here = _names_in(tables)
+    elsewhere = [
+        f"{table}.{name}"
+        for table in CellConfig.model_fields
+        if [table] != tables and name in _names_in([table])
+    ]
+    if elsewhere:
+        return f"did you mean {' or '.join(elsewhere)}?"
+    if near := difflib.get_close_matches(name, here, n=1, cutoff=0.4):
+        return f"did you mean {'.'.join([*tables, near[0]])}?"
+    return f"known here: {', '.join(sorted(here))}."
+
+
+def _names_in(tables: list[str]) -> list[str]:
+    """The keys that a table may hold; those of the whole file for no table."""
+    model: type[BaseModel] = CellConfig
+    for table in tables:
+        annotation = model.model_fields[table].annotation
+        options = (annotation, *get_args(annotation))  # [emulation] may be absent: X | None
         model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
     return list(model.model_fields)
