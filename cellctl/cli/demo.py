@@ -28,7 +28,9 @@ from cellctl.config import CellConfig
 from cellctl.errors import CellctlError, ExitStatus
 from cellctl.messages import Snapshot
 from cellctl.sim.isolation import isolated, write_config
+from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
+from cellctl.sim.world_values import Where
 
 _START_PATIENCE_S = 60.0
 _END_PATIENCE_S = 15.0
@@ -41,15 +43,6 @@ class Wish:
     text: str | None
     """Typed or to be spoken; None when there is a recording."""
     wav: Path | None
-
-
-@dataclass(frozen=True)
-class Truth:
-    """What stands in the world, and what it holds against the cell."""
-
-    cells: tuple[Cell, ...]
-    fallen: int
-    violations: tuple[dict[str, Any], ...]
 
 
 @contextmanager
@@ -83,7 +76,7 @@ def running_daemon(config: CellConfig, folder: Path) -> Iterator[Path]:
 
 def demonstrate(
     config: CellConfig, wish: Wish, console: Console
-) -> tuple[ExitStatus, dict[str, Any], Truth]:
+) -> tuple[ExitStatus, dict[str, Any], CellTruth]:
     """Run the demonstration.
 
     Args:
@@ -100,7 +93,7 @@ def demonstrate(
         own = isolated(config, folder)
         wav = wish.wav if wish.wav is not None else _spoken(wish.text or "", folder, console)
         with (
-            emulated_cell(own) as world,
+            emulated_cell(own, own.cell.clock_rate) as world,
             running_daemon(own, folder) as log,
             CellClient(own.bus.control, own.bus.status, Role.VISITOR) as cell,
         ):
@@ -113,7 +106,7 @@ def demonstrate(
             except CellctlError:
                 console.print(log.read_text(errors="replace")[-4000:], markup=False)
                 raise
-            truth = _truth(world.truth())
+            truth = world.truth()
     report = make_report(snapshot, truth)
     report["wall_seconds"] = round(time.monotonic() - began_s, 1)
     report["speed"] = config.cell.clock_rate
@@ -123,10 +116,11 @@ def demonstrate(
     return status, report, truth
 
 
-def make_report(snapshot: Snapshot, truth: Truth) -> dict[str, Any]:
+def make_report(snapshot: Snapshot, truth: CellTruth) -> dict[str, Any]:
     """What was asked, what was planned and what stands, for people and programs."""
     job, plan = snapshot.job, snapshot.plan
     planned = set(plan.assembly.cells) if plan is not None else set()
+    fallen = truth.counts.get(Where.FALLEN, 0)
     seconds = [part.seconds for part in snapshot.parts]
     return {
         "heard": job.utterance.text if job is not None and job.utterance is not None else "",
@@ -139,11 +133,11 @@ def make_report(snapshot: Snapshot, truth: Truth) -> dict[str, Any]:
             else None
         ),
         "plan": plan.model_dump(mode="json") if plan is not None else None,
-        "built": [list(cell) for cell in truth.cells],
-        "fallen": truth.fallen,
-        "matches_plan": plan is not None and set(truth.cells) == planned and not truth.fallen,
-        "violations": list(truth.violations),
-        "parts": len(truth.cells),
+        "built": [list(cell) for cell in truth.built],
+        "fallen": fallen,
+        "matches_plan": plan is not None and set(truth.built) == planned and not fallen,
+        "violations": [violation.model_dump(mode="json") for violation in truth.violations],
+        "parts": len(truth.built),
         "seconds_per_part": round(sum(seconds) / len(seconds), 2) if seconds else None,
         "seconds_to_first_motion": _difference(job, "first_motion_s"),
         "seconds_total": _difference(job, "finished_s"),
@@ -160,16 +154,6 @@ def _difference(job: Any, name: str) -> float | None:
     if job is None or moment is None or job.end_of_speech_s is None:
         return None
     return round(float(moment) - float(job.end_of_speech_s), 2)
-
-
-def _truth(raw: dict[str, Any]) -> Truth:
-    built: Sequence[Sequence[int]] = raw["built"]
-    cells = sorted(Cell(int(c[0]), int(c[1]), int(c[2])) for c in built)
-    return Truth(
-        cells=tuple(sorted(cells, key=lambda cell: (cell.z, cell.x, cell.y))),
-        fallen=len(raw["fallen"]),
-        violations=tuple(raw["violations"]),
-    )
 
 
 def _wait_idle(cell: CellClient) -> None:
@@ -201,7 +185,7 @@ def write_report(report: dict[str, Any], path: Path) -> None:
     path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 
 
-def draw(report: dict[str, Any], truth: Truth, config: CellConfig, path: Path) -> None:
+def draw(report: dict[str, Any], truth: CellTruth, config: CellConfig, path: Path) -> None:
     """Draw what stands in the world; parts that the plan does not know are red."""
     from cellctl.cli.picture import draw_assembly  # noqa: PLC0415 - optional part
 
@@ -209,16 +193,16 @@ def draw(report: dict[str, Any], truth: Truth, config: CellConfig, path: Path) -
     planned = {Cell(*cell) for cell in plan["assembly"]["cells"]} if plan is not None else set()
     path.parent.mkdir(parents=True, exist_ok=True)
     seconds = report["seconds_per_part"]
-    caption = f"{len(truth.cells)} parts" + (f", {seconds:.1f} s a part" if seconds else "")
+    caption = f"{len(truth.built)} parts" + (f", {seconds:.1f} s a part" if seconds else "")
     draw_assembly(
-        truth.cells,
+        truth.built,
         config.grid,
         path,
         title=f"“{report['heard']}”",
         caption=caption,
         pitch_m=config.voxel.pitch_m,
-        wrong=[cell for cell in truth.cells if cell not in planned],
-        missing=[cell for cell in planned if cell not in truth.cells],
+        wrong=[cell for cell in truth.built if cell not in planned],
+        missing=[cell for cell in planned if cell not in truth.built],
     )
 
 

@@ -69,7 +69,8 @@ def register(app: typer.Typer) -> None:
         settings = _waived(load_config(demo_config(config)), speed)
         console.print(
             f"[bold]{settings.cell.name}[/]: a {settings.robot.model} at "
-            f"{settings.cell.clock_rate:g} times real speed. The question before building is waived: this cell is emulated."
+            f"{settings.cell.clock_rate:g} times real speed. "
+            "The question before building is waived: this cell is emulated."
         )
         wish = show.Wish(text=say or DEFAULT_WISH, wav=wav)
         status, facts, truth = show.demonstrate(settings, wish, console)

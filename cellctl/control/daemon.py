@@ -56,7 +56,15 @@ class Daemon:
         self.designer = WorkerProcess("planner")
         self.devices = Devices(self.arm, belt, self.hearing, self.designer)
         gripper = LatchGripper(self.arm, config.gripper, self.clock)
-        self.builder = Builder(config, self.clock, self.arm, gripper, belt, self.journal, inventory)
+        self.builder = Builder(
+            config,
+            self.clock,
+            arm=self.arm,
+            gripper=gripper,
+            belt=belt,
+            journal=self.journal,
+            inventory=inventory,
+        )
         self.cell = Cell(config, self.clock, self.devices, self.builder, self.bus.publish)
         self.desk = RequestDesk(self.cell, self.hearing, self.bus.publish, self.snapshot)
 

@@ -89,10 +89,14 @@ class RequestDesk:
         try:
             message = await self._dispatch(request, attachment)
         except CellctlError as error:
-            code = "refused" if isinstance(error, RefusedError) else "usage"
             return self._reply(
-                request, error=ReplyError(code=code, message=error.message, hint=error.hint)
-            )  # type: ignore[arg-type]
+                request,
+                error=ReplyError(
+                    code="refused" if isinstance(error, RefusedError) else "usage",
+                    message=error.message,
+                    hint=error.hint,
+                ),
+            )
         except Exception as error:
             log.exception("request failed", command=body.command)
             text = f"{type(error).__name__}: {error}"
