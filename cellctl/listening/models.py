@@ -28,7 +28,7 @@ WHISPER_SHA256 = {
     "tokenizer.json": "929c5252409436dce1b38a75d1abbcb5e132d170d8e324e4e04ed915fa2d22df",
     "vocabulary.txt": "ff77588746d3a2595d32ab5b69ffd7b95ce2441ac57533cb66fc3eb575a115cf",
 }
-"""The official int8 conversion of Whisper tiny.en (MIT). Individuals package it, so it is pinned."""
+"""The official int8 conversion of Whisper tiny.en (MIT); individuals package it, hence the pins."""
 
 _PATTERNS = {
     "en": ("vosk-model-small-en-us-0.15", "vosk-model-small-en*", "vosk-model-en*"),

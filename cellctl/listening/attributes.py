@@ -1,0 +1,100 @@
+"""What a sentence says about an object besides its name: legs, tiers, a back, a glyph, a colour."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.numbers import DIGITS, read_number
+
+Attributes = dict[str, int | str | bool]
+
+_SWITCHED = frozenset({"back", "arms", "lid"})
+"""Parts that are there or not; the others are counted."""
+_LACKING = frozenset({"no", "without"})
+_LESS = re.compile(r"(back|arm|lid|leg)less")
+_LEGGED = frozenset({"legged", "footed"})
+_TIERED = frozenset({"tiered", "level", "leveled", "levelled"})
+_GLYPH_NOUNS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+
+
+def read_attributes(words: Sequence[str], head: str) -> Attributes:
+    """Find what is said of the object; later words correct earlier ones.
+
+    Args:
+        words: the whole sentence, lower case, without punctuation.
+        head: the object's noun, singular. Only a bookcase's shelves are tiers.
+    """
+    found: Attributes = {}
+    for index, word in enumerate(words):
+        if (number := read_number(words, index)) is not None:
+            _counted(words, number, head, found)
+        part = LEXICON.parts.get(singular(word))
+        before = words[max(0, index - 2) : index]
+        if list(before) in (["with", "a"], ["on", "a"], ["and", "a"], ["with", "only"]):
+            _single(word, part, found)
+        if part in _SWITCHED and singular(word) != head and _names_a_part(words, index):
+            # "no back", "without a back"
+            found[part] = not _LACKING & set(words[max(0, index - 2) : index])
+        if match := _LESS.fullmatch(word):
+            name = LEXICON.parts[match[1]]
+            found[name] = False if name in _SWITCHED else 0
+        if word in LEXICON.colours:
+            found["colour"] = word
+    if (glyph := read_glyph(words)) is not None:
+        found["glyph"] = glyph
+    return found
+
+
+def read_glyph(words: Sequence[str]) -> str | None:
+    """The letter or digit of ``letter t``, ``capital r``, ``number seven``; upper case."""
+    for index in range(len(words) - 1):
+        name = words[index + 1]
+        if words[index] not in _GLYPH_NOUNS:
+            continue
+        if len(name) == 1 and name.isalnum():
+            return name.upper()
+        if name in DIGITS:
+            return str(DIGITS.index(name))
+    return None
+
+
+def _counted(words: Sequence[str], number: tuple[float, int], head: str, found: Attributes) -> None:
+    """``four legs``, ``three tier``, ``four sturdy legs``, ``three legged``."""
+    value, end = number
+    if value != int(value):
+        return
+    for noun in words[end : end + 2]:
+        if noun in _LEGGED:
+            found["legs"] = int(value)
+            return
+        if noun in _TIERED:
+            found["tiers"] = int(value)
+            return
+        part = LEXICON.parts.get(singular(noun))
+        if part is None:
+            continue
+        if singular(noun) == "shelf" and head not in (
+            "bookcase",
+            "bookshelf",
+            "cabinet",
+            "cupboard",
+        ):
+            return
+        if singular(noun) == "foot":
+            return  # a length; "three feet" are legs to nobody
+        found[part] = value > 0 if part in _SWITCHED else int(value)
+        return
+
+
+def _single(word: str, part: str | None, found: Attributes) -> None:
+    """``with a drawer`` counts one; ``with a shelf`` says nothing of how many tiers."""
+    if part in ("legs", "drawers", "steps") and word == singular(word) and word != "foot":
+        found[part] = 1
+
+
+def _names_a_part(words: Sequence[str], index: int) -> bool:
+    """A switched part is meant after "with", "no", "and" and the like, not in "at the back"."""
+    before = set(words[max(0, index - 4) : index])
+    return bool(before & {"with", "without", "no", "and", "have", "has", "having", "plus"})

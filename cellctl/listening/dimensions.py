@@ -1,0 +1,116 @@
+"""Stated sizes: ``half a metre high``, ``60 cm wide``, ``thirty by forty by eighty cm``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from cellctl.listening.numbers import read_number
+
+Axis = Literal["width", "depth", "height"]
+
+_UNITS_M = {
+    **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 0.001),
+    **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre", "centimetres"), 0.01),
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
+    **dict.fromkeys(("inch", "inches"), 0.0254),
+    **dict.fromkeys(("foot", "feet", "ft"), 0.3048),
+}
+_VOXELS = frozenset({"block", "blocks", "voxel", "voxels", "cube", "cubes"})
+_AXES: dict[str, Axis] = {
+    **dict.fromkeys(("tall", "high", "height"), "height"),
+    **dict.fromkeys(("wide", "width", "long", "length", "across", "broad"), "width"),
+    **dict.fromkeys(("deep", "depth", "thick"), "depth"),
+}
+_TRIPLE: tuple[Axis, ...] = ("width", "depth", "height")
+_LARGEST_M = 100.0
+
+
+@dataclass
+class Sizes:
+    """The sizes of one sentence, and the words that stated them."""
+
+    metres: dict[Axis, float] = field(default_factory=dict)
+    spans: list[tuple[int, int]] = field(default_factory=list)
+    """Ranges of words, start to end, that state a size."""
+
+
+def read_sizes(words: Sequence[str], pitch_m: float) -> Sizes:
+    """Find every stated size; later ones correct earlier ones.
+
+    A size without an axis is a height. ``N by N`` are width and depth, a third is the height.
+
+    Args:
+        words: lower case, without punctuation.
+        pitch_m: what a speaker calls a block.
+    """
+    sizes = Sizes()
+    index = 0
+    while index < len(words):
+        end = _read_size(words, index, pitch_m, sizes)
+        index = end if end is not None else index + 1
+    return sizes
+
+
+def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -> int | None:
+    values: list[float] = []
+    end = start
+    while (number := _number(words, end)) is not None:
+        values.append(number[0])
+        end = number[1]
+        # "thirty centimeters by forty centimeters" repeats its unit.
+        repeated = end + 1 < len(words) and words[end] in _UNITS_M and words[end + 1] == "by"
+        end += repeated
+        if end >= len(words) or words[end] != "by" or len(values) == 3:
+            break
+        end += 1
+    if not values or end >= len(words):
+        return None
+    unit_m = _unit_m(words, end, pitch_m, len(values))
+    if unit_m is None:
+        return None
+    end += 1
+    if list(words[end : end + 3]) == ["and", "a", "half"]:
+        values[-1] += 0.5
+        end += 3
+    if len(values) > 1:
+        for axis, value in zip(_TRIPLE, values, strict=False):
+            _store(sizes, axis, value * unit_m)
+    else:
+        axis, end = _axis(words, start, end)
+        _store(sizes, axis, values[0] * unit_m)
+    sizes.spans.append((start, end))
+    return end
+
+
+def _number(words: Sequence[str], start: int) -> tuple[float, int] | None:
+    if (number := read_number(words, start)) is not None:
+        return number
+    if start + 1 < len(words) and words[start] in ("a", "an") and words[start + 1] in _UNITS_M:
+        return 1.0, start + 1
+    return None
+
+
+def _unit_m(words: Sequence[str], index: int, pitch_m: float, values: int) -> float | None:
+    word = words[index]
+    if word in _UNITS_M:
+        return _UNITS_M[word]
+    if word in _VOXELS and (values > 1 or (index + 1 < len(words) and words[index + 1] in _AXES)):
+        return pitch_m
+    return None
+
+
+def _axis(words: Sequence[str], start: int, end: int) -> tuple[Axis, int]:
+    """``60 cm wide``, ``60 cm in width``, ``a width of 60 cm``."""
+    after = end + 1 if end < len(words) and words[end] == "in" else end
+    if after < len(words) and words[after] in _AXES:
+        return _AXES[words[after]], after + 1
+    if start >= 2 and words[start - 1] == "of" and words[start - 2] in _AXES:
+        return _AXES[words[start - 2]], end
+    return "height", end
+
+
+def _store(sizes: Sizes, axis: Axis, value_m: float) -> None:
+    if 0.0 < value_m <= _LARGEST_M:
+        sizes.metres[axis] = round(value_m, 4)

@@ -1,0 +1,175 @@
+"""Put recogniser slips right by their sound: ``two tears`` -> ``two tiers``, ``stole`` -> ``stool``.
+
+Only where the sentence's build says what kind of word must stand there, and only when the word that
+stands there makes no sense in that place. Every correction is kept, so that it can be shown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.numbers import read_number
+
+_NUMBER_SOUNDS = {"to": "two", "too": "two", "for": "four", "fore": "four", "won": "one"}
+_OWNER_OF_PART = {"steps": frozenset({"ladder", "staircase", "stairs", "step"})}
+"""Parts that only these have: "a letter with five steps" was a ladder."""
+_OPENERS = {"kneed": "need", "knead": "need", "bild": "build", "billed": "build"}
+_SPLIT_WORDS = {
+    ("back", "rest"): "backrest",
+    ("back", "wrist"): "backrest",
+    ("arm", "rest"): "armrest",
+    ("arm", "rests"): "armrests",
+    ("book", "case"): "bookcase",
+    ("book", "shelf"): "bookshelf",
+    ("stair", "case"): "staircase",
+    ("dog", "house"): "doghouse",
+}
+_SILENT_STARTS = (("kn", "n"), ("wr", "r"), ("gn", "n"), ("ps", "s"), ("wh", "w"))
+_SOUNDS = (
+    *(("tch", "C"), ("ch", "C"), ("sh", "X"), ("ph", "f"), ("th", "0"), ("ck", "k"), ("dg", "j")),
+    *(("qu", "kw"), ("x", "ks"), ("ce", "se"), ("ci", "si"), ("cy", "sy"), ("c", "k"), ("z", "s")),
+    *(("gh", ""), ("v", "f"), ("mb", "m")),
+)
+_VOWELS = "aeiouyhw"
+
+
+@dataclass
+class Snapped:
+    """Words after correction, and what was changed."""
+
+    words: list[str]
+    changes: list[str] = field(default_factory=list)
+    """Each as ``"tears" as "tiers"``."""
+
+    def replace(self, start: int, end: int, *new: str) -> None:
+        """Put ``new`` in the place of ``words[start:end]`` and record it."""
+        old = " ".join(self.words[start:end])
+        self.words[start:end] = new
+        self.changes.append(f'"{old}" as "{" ".join(new)}"')
+
+
+def sound_of(word: str) -> str:
+    """A key that words of similar sound share: consonant sounds in order, without vowels."""
+    text = word
+    for spelled, sound in _SILENT_STARTS:
+        if text.startswith(spelled):
+            text = sound + text[len(spelled) :]
+    for spelled, sound in _SOUNDS:
+        text = text.replace(spelled, sound)
+    key = "".join(c for i, c in enumerate(text) if c not in _VOWELS or (i == 0 and c in "hwy"))
+    squeezed = "".join(c for i, c in enumerate(key) if i == 0 or c != key[i - 1])
+    return squeezed if word[:1] not in "aeiou" else f"a{squeezed}"
+
+
+_FAMILY_SOUNDS = {sound_of(noun): noun for noun in sorted(LEXICON.families) if len(noun) > 3}
+_VOICED = str.maketrans("dgbzj", "tkpsC")
+
+
+def unvoiced_sound_of(word: str) -> str:
+    """A coarser key: ``legs`` and ``lakes``, ``ladder`` and ``letter`` share theirs."""
+    return sound_of(word).translate(_VOICED)
+
+
+_COUNTED_PARTS = ("leg", "tier", "step", "drawer")
+_PART_PLURALS = {unvoiced_sound_of(f"{part}s"): f"{part}s" for part in _COUNTED_PARTS}
+_PART_SINGULARS = {unvoiced_sound_of(part): part for part in _COUNTED_PARTS}
+
+
+def snap(words: list[str]) -> Snapped:
+    """Correct the words of one sentence; the list given is left as it is."""
+    snapped = Snapped(list(words))
+    _join_split_words(snapped)
+    _correct_openers(snapped)
+    _correct_parts(snapped)
+    _correct_heads(snapped)
+    _correct_letter(snapped)
+    return snapped
+
+
+def _join_split_words(snapped: Snapped) -> None:
+    for index in range(len(snapped.words) - 1):
+        pair = tuple(snapped.words[index : index + 2])
+        if len(pair) == 2 and pair in _SPLIT_WORDS:
+            snapped.words[index : index + 2] = [_SPLIT_WORDS[pair]]
+
+
+def _correct_openers(snapped: Snapped) -> None:
+    words = snapped.words
+    if words[:3] == ["a", "sample", "me"]:
+        snapped.replace(0, 2, "assemble")
+    elif len(words) > 2 and words[0] == "and" and words[1:3] == ["you", "make"]:
+        snapped.replace(0, 1, "can")
+    for index, word in enumerate(words[:4]):
+        if word in _OPENERS:
+            snapped.replace(index, index + 1, _OPENERS[word])
+    # "I want to chair", "I want it throne": an article was misheard.
+    for index in range(len(words) - 1):
+        opener = words[index] in ("want", "need", "make", "build")
+        wrong = words[index + 1] in ("to", "it", "too")
+        if not (opener and wrong and index + 2 < len(words)):
+            continue
+        noun = words[index + 2]
+        if noun in LEXICON.families or (index + 3 == len(words) and noun in LEXICON.physical):
+            snapped.replace(index + 1, index + 2, "a")
+
+
+def _correct_parts(snapped: Snapped) -> None:
+    """After "with" and a number stands a part that can be counted."""
+    words = snapped.words
+    for index, word in enumerate(words):
+        if word not in ("with", "having", "and") or index + 2 >= len(words):
+            continue
+        if words[index + 1] in _NUMBER_SOUNDS and _part(words[index + 2], plural=True):
+            snapped.replace(index + 1, index + 2, _NUMBER_SOUNDS[words[index + 1]])
+        number = read_number(words, index + 1)
+        if number is None or number[1] >= len(words):
+            continue
+        noun = words[number[1]]
+        part = _part(noun, plural=number[0] != 1.0)
+        if part is not None and part != noun and singular(noun) not in LEXICON.parts:
+            snapped.replace(number[1], number[1] + 1, part)
+
+
+def _part(word: str, *, plural: bool) -> str | None:
+    """The part that a word is or sounds like; None for neither."""
+    if singular(word) in LEXICON.parts:
+        return word
+    return (_PART_PLURALS if plural else _PART_SINGULARS).get(unvoiced_sound_of(word))
+
+
+def _correct_heads(snapped: Snapped) -> None:
+    """A word between an article and the phrase's end is the object's noun."""
+    words = snapped.words
+    for index, word in enumerate(words):
+        ends = index + 1 == len(words) or words[index + 1] in LEXICON.enders
+        begins = index > 0 and words[index - 1] in (
+            LEXICON.determiners | {"me", "simple", "small", "big", "tall"}
+        )
+        if not (ends and begins):
+            continue
+        better = _owner(words[index + 1 :], word)
+        known = LEXICON.is_physical(singular(word)) is not None
+        if better is None and not known and word not in LEXICON.enders | LEXICON.fillers:
+            better = _FAMILY_SOUNDS.get(sound_of(word))
+        if better is not None and better != word:
+            snapped.replace(index, index + 1, better)
+
+
+def _owner(rest: list[str], word: str) -> str | None:
+    """What sounds like ``word`` and has the parts that ``rest`` gives it."""
+    for noun in rest[:3]:
+        owners = _OWNER_OF_PART.get(LEXICON.parts.get(singular(noun), ""), frozenset())
+        if owners and word not in owners:
+            sound = unvoiced_sound_of(word)
+            return next((o for o in sorted(owners) if unvoiced_sound_of(o) == sound), None)
+    return None
+
+
+def _correct_letter(snapped: Snapped) -> None:
+    words = snapped.words
+    for index in range(len(words) - 1):
+        name = words[index + 1]
+        last = index + 2 == len(words) or words[index + 2] in LEXICON.enders | LEXICON.fillers
+        if words[index] in ("letter", "capital") and name in LEXICON.spelled and last:
+            snapped.replace(index + 1, index + 2, LEXICON.spelled[name].lower())
