@@ -1,29 +1,11 @@
-"""What a generator is, and what it returns."""
+"""What a generator is."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from cellctl.assembly import Request
-
-if TYPE_CHECKING:
-    import trimesh
-
-
-@dataclass(frozen=True)
-class GeneratedMesh:
-    """A shape as it came from a generator, z up, before anything fits it to the cell."""
-
-    mesh: trimesh.Trimesh
-    metric: bool
-    """True: vertices are metres. False: the mesh has no unit."""
-    title: str
-    """What it is, for people: ``stool with three legs``."""
-    provenance: str
-    """Which generator, with what description."""
-    stated_dimensions_m: dict[str, float]
-    """Sizes that the speaker asked for, by ``width``, ``depth``, ``height``; often empty."""
+from cellctl.mesh import GeneratedMesh
 
 
 class Generator(Protocol):

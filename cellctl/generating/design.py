@@ -1,0 +1,38 @@
+"""From a request to a shape: ask the generators in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cellctl.assembly import Intent, Request
+from cellctl.config import CellConfig
+from cellctl.errors import DesignError, NoObjectError
+from cellctl.generating.generator import Generator
+from cellctl.generating.parametric import ParametricGenerator
+from cellctl.mesh import GeneratedMesh
+
+GENERATORS: tuple[Generator, ...] = (ParametricGenerator(),)
+"""In order of preference."""
+
+
+def design(
+    request: Request, config: CellConfig, generators: Sequence[Generator] = GENERATORS
+) -> GeneratedMesh:
+    """The shape from the first generator that can design what was asked for.
+
+    Raises:
+        NoObjectError: the request asks for no object.
+        DesignError: no generator can; the message is that of the first, the most exact one.
+    """
+    if request.intent is not Intent.DESIGN:
+        raise NoObjectError(
+            request.reason or f"{request.text!r} names no object that I could build.",
+            'Say what to build, for example "a simple stool".',
+        )
+    refusals: list[DesignError] = []
+    for generator in generators:
+        try:
+            return generator.generate(request, config.voxel.pitch_m, config.workspace.size_m)
+        except DesignError as refusal:
+            refusals.append(refusal)
+    raise refusals[0] if refusals else DesignError("No generator is configured.")

@@ -1,0 +1,223 @@
+"""What an assembly must satisfy to be built by this cell, each rule a check with its cells.
+
+Parts, overhang and unsupported stack are counts, after the paper's section 3.3; connectivity and
+access from above are what building part by part needs besides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from cellctl.assembly import Cell, Check
+from cellctl.config import LimitsSection
+
+Cells = frozenset[Cell]
+
+_LATERAL = ((1, 0), (-1, 0), (0, 1), (0, -1))
+_DIAGONAL = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+class Overhang(NamedTuple):
+    """How far a layer hangs out beyond what carries it, in cells, and where."""
+
+    length: int
+    cells: frozenset[Cell]
+    """The cells beyond the limit that was asked about."""
+    axis: int
+    """0 for x, 1 for y: along which the worst of it runs."""
+
+
+def supported(cell: Cell, cells: Cells) -> bool:
+    """Whether a cell rests on the floor or on another part."""
+    return cell.z == 0 or cell.below() in cells
+
+
+def lateral(cell: Cell) -> tuple[Cell, Cell, Cell, Cell]:
+    """The four cells beside this one, in its layer."""
+    x, y, z = cell
+    return (Cell(x + 1, y, z), Cell(x - 1, y, z), Cell(x, y + 1, z), Cell(x, y - 1, z))
+
+
+def reach_steps(cell: Cell, cells: Cells | set[Cell]) -> list[Cell]:
+    """Cells of the same layer that are one step of overhang away.
+
+    Beside it, or across a corner around which a part connects the two.
+    """
+    x, y, z = cell
+    steps = [beside for beside in lateral(cell) if beside in cells]
+    for dx, dy in _DIAGONAL:
+        across = Cell(x + dx, y + dy, z)
+        if across in cells and (Cell(x + dx, y, z) in cells or Cell(x, y + dy, z) in cells):
+            steps.append(across)
+    return steps
+
+
+def pieces(cells: Iterable[Cell]) -> list[frozenset[Cell]]:
+    """Sets of cells that hang together by faces, the largest first."""
+    left = set(cells)
+    found = []
+    while left:
+        start = min(left, key=lambda c: (c.z, c.x, c.y))
+        left.discard(start)
+        piece, front = {start}, [start]
+        while front:
+            for beside in front.pop().neighbours():
+                if beside in left:
+                    left.discard(beside)
+                    piece.add(beside)
+                    front.append(beside)
+        found.append(frozenset(piece))
+    return sorted(found, key=len, reverse=True)
+
+
+def overhang_walk(cells: Cells, limit: int) -> Overhang:
+    """The paper's measure: straight walks from supported cells over unsupported ones.
+
+    A walk along +-x or +-y counts unsupported cells until a supported cell or a gap.
+    """
+    longest, axis = 0, 0
+    beyond: set[Cell] = set()
+    for cell in cells:
+        if not supported(cell, cells):
+            continue
+        for dx, dy in _LATERAL:
+            walk: list[Cell] = []
+            step = Cell(cell.x + dx, cell.y + dy, cell.z)
+            while step in cells and not supported(step, cells):
+                walk.append(step)
+                step = Cell(step.x + dx, step.y + dy, step.z)
+            if len(walk) > longest:
+                longest, axis = len(walk), 0 if dx else 1
+            beyond.update(walk[limit:])
+    return Overhang(longest, frozenset(beyond), axis)
+
+
+def overhang_reach(cells: Cells, limit: int) -> Overhang:
+    """How far from support every cell of a layer is, around corners too.
+
+    It sees the rows that hold no supported cell, which no straight walk enters. Cells that no
+    support carries at all are not its matter but that of access.
+    """
+    farthest, worst = 0, None
+    beyond: set[Cell] = set()
+    steps = {cell: 0 for cell in cells if supported(cell, cells)}
+    origin = {cell: cell for cell in steps}
+    front = sorted(steps)
+    while front:
+        following = []
+        for cell in front:
+            for beside in reach_steps(cell, cells):
+                if beside not in steps:
+                    steps[beside] = steps[cell] + 1
+                    origin[beside] = origin[cell]
+                    following.append(beside)
+        front = following
+    for cell, length in steps.items():
+        if length > farthest:
+            farthest, worst = length, cell
+        if length > limit:
+            beyond.add(cell)
+    axis = 0
+    if worst is not None:
+        root = origin[worst]
+        axis = 0 if abs(worst.x - root.x) >= abs(worst.y - root.y) else 1
+    return Overhang(farthest, frozenset(beyond), axis)
+
+
+def unsupported_stacks(cells: Cells, limit: int) -> tuple[int, frozenset[Cell]]:
+    """Longest run of cells on top of each other without a lateral neighbour, and all too long."""
+    longest = 0
+    beyond: set[Cell] = set()
+    lone = {cell for cell in cells if not any(beside in cells for beside in lateral(cell))}
+    for cell in lone:
+        if cell.below() in lone:
+            continue
+        run = [cell]
+        while (above := Cell(cell.x, cell.y, run[-1].z + 1)) in lone:
+            run.append(above)
+        longest = max(longest, len(run))
+        if len(run) > limit:
+            beyond.update(run)
+    return longest, frozenset(beyond)
+
+
+def check_count(cells: Cells, parts: int) -> Check:
+    """No more parts than there are."""
+    passed = len(cells) <= parts
+    message = f"{len(cells)} parts; {parts} are there."
+    return Check(name="count", passed=passed, message=message, cells=() if passed else _all(cells))
+
+
+def check_overhang(cells: Cells, limit: int) -> Check:
+    """No cantilever longer than the limit: straight, or around corners."""
+    walk, reach = overhang_walk(cells, limit), overhang_reach(cells, limit)
+    beyond = walk.cells | reach.cells
+    message = f"The longest overhang is {max(walk.length, reach.length)} parts; {limit} hold."
+    return Check(name="overhang", passed=not beyond, message=message, cells=_all(beyond))
+
+
+def check_stack(cells: Cells, limit: int) -> Check:
+    """No free-standing column higher than the limit."""
+    longest, beyond = unsupported_stacks(cells, limit)
+    message = f"The highest column without a neighbour is {longest} parts; {limit} stand."
+    return Check(name="stack", passed=not beyond, message=message, cells=_all(beyond))
+
+
+def check_connectivity(cells: Cells) -> Check:
+    """All parts hang together by faces."""
+    found = pieces(cells)
+    loose = frozenset[Cell]().union(*found[1:])
+    message = (
+        "All parts hang together."
+        if len(found) == 1
+        else f"It falls into {len(found)} pieces that share no face."
+    )
+    return Check(name="connectivity", passed=not loose, message=message, cells=_all(loose))
+
+
+def check_grounded(cells: Cells) -> Check:
+    """Something stands on the floor."""
+    feet = sum(1 for cell in cells if cell.z == 0)
+    message = f"{feet} parts stand on the floor." if feet else "Nothing stands on the floor."
+    return Check(
+        name="grounded", passed=feet > 0, message=message, cells=() if feet else _all(cells)
+    )
+
+
+def hanging(cells: Cells) -> frozenset[Cell]:
+    """Cells that could only hang from a part above them: no part of their layer that they are
+    joined to rests on anything, so they cannot be placed from above in time."""
+    found: set[Cell] = set()
+    for z in {cell.z for cell in cells}:
+        for piece in pieces(cell for cell in cells if cell.z == z):
+            if not any(supported(cell, cells) for cell in piece):
+                found |= piece
+    return frozenset(found)
+
+
+def check_access(cells: Cells) -> Check:
+    """Every layer can be laid from above on the layer below it."""
+    cut_off = hanging(cells)
+    message = (
+        "Every part can be placed from above."
+        if not cut_off
+        else f"{len(cut_off)} parts would have to hang from parts above them."
+    )
+    return Check(name="access", passed=not cut_off, message=message, cells=_all(cut_off))
+
+
+def check_all(cells: Cells, limits: LimitsSection, parts: int) -> tuple[Check, ...]:
+    """Every rule, always in this order: count, overhang, stack, connectivity, grounded, access."""
+    return (
+        check_count(cells, parts),
+        check_overhang(cells, limits.overhang_cells),
+        check_stack(cells, limits.stack_cells),
+        check_connectivity(cells),
+        check_grounded(cells),
+        check_access(cells),
+    )
+
+
+def _all(cells: Iterable[Cell]) -> tuple[Cell, ...]:
+    return tuple(sorted(cells, key=lambda c: (c.z, c.x, c.y)))
