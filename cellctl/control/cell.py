@@ -249,7 +249,7 @@ class Cell:
     async def _interpret(self, post: Post) -> None:
         job = self._job()
         assert job.utterance is not None
-        request = read_request(job.utterance.text)
+        request = read_request(job.utterance.text, self.config.voxel.pitch_m)
         self._publish(SpeechData(utterance=job.utterance, request=request), self.controller.state)
         log.info("understood", intent=request.intent, phrase=request.phrase)
         job.request = request

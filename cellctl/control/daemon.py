@@ -52,7 +52,8 @@ class Daemon:
         self.arm: Arm = RemoteArm(config, self.clock)
         self.hearing = Hearing(config.hearing)
         inventory = Inventory.full(config.limits.inventory_parts)
-        belt = BeltService(Conveyor(config.feeder, self.clock), config.feeder, self.clock)
+        conveyor = Conveyor(config.feeder, config.voxel.pitch_m, self.clock)
+        belt = BeltService(conveyor, config.feeder.retries, inventory, self._publish)
         self.designer = WorkerProcess("planner")
         self.devices = Devices(self.arm, belt, self.hearing, self.designer)
         gripper = LatchGripper(self.arm, config.gripper, self.clock)
@@ -83,7 +84,7 @@ class Daemon:
             plan=job.plan if job is not None else None,
             parts=tuple(job.outcomes) if job is not None else (),
             standing=tuple(sorted(self.builder.standing)),
-            inventory=self.builder.inventory_view(),
+            inventory=self.builder.inventory.counts.model_dump(),
             arm=arm_view(self.arm.state()),
             conveyor=self.devices.belt.view(),
             gripper=GripperData(holding=self.builder.grip.value),

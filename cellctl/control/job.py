@@ -12,7 +12,7 @@ from cellctl.control.states import Event
 from cellctl.messages import JobData, PartOutcome
 
 if TYPE_CHECKING:
-    from cellctl.generating.generator import GeneratedMesh
+    from cellctl.mesh import GeneratedMesh
 
 
 class Phase(StrEnum):

@@ -13,8 +13,8 @@ from cellctl.control.audio import audio_file
 from cellctl.control.cell import Cell
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, HearingError, RefusedError, UsageError
+from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
-from cellctl.listening.request import control_word
 from cellctl.messages import (
     OPERATOR_COMMANDS,
     BuildCommand,
@@ -161,7 +161,7 @@ class RequestDesk:
         return _DONE[word]
 
     async def _say(self, text: str, role: Role) -> str:
-        word = control_word(text)
+        word = spoken_command(text)
         if word is not None:
             return await self._spoken_word(word, role)
         self._refuse_if_occupied()
@@ -191,7 +191,7 @@ class RequestDesk:
             with audio_file(wav) as path:
                 utterance = await self._hearing.hear_wav(path)
             self._publish(SpeechData(utterance=utterance), self._cell.controller.state)
-            word = control_word(utterance.text)
+            word = spoken_command(utterance.text)
             if word is None:
                 log.info("heard while busy", text=utterance.text)
                 return

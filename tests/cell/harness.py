@@ -1,0 +1,142 @@
+"""One running cell for tests: the emulated cell and the daemon as processes, and their clients."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import trimesh
+
+from cellctl.assembly import Role
+from cellctl.cli.demo import running_daemon
+from cellctl.client import CellClient
+from cellctl.config import CellConfig, load_config
+from cellctl.messages import JobData, Snapshot, StatusMessage
+from cellctl.sim.client import SimClient
+from cellctl.sim.isolation import isolated
+from cellctl.sim.messages import CellTruth
+from cellctl.sim.spawn import emulated_cell
+
+CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
+PATIENCE_S = 90.0
+"""How long a test waits for anything (wall time); machines can be slow."""
+_POLL_S = 0.05
+
+
+@dataclass
+class RunningCell:
+    """A cell that runs, and everything a test may do to it."""
+
+    config: CellConfig
+    world: SimClient
+    client: CellClient
+    visitor: CellClient
+    seen: list[StatusMessage] = field(default_factory=list)
+
+    def wait(self, what: str, holds: Callable[[Snapshot], bool]) -> Snapshot:
+        """Wait until the snapshot is as wanted; keeps every status message on the way."""
+        deadline_s = time.monotonic() + PATIENCE_S
+        while True:
+            snapshot = self.client.snapshot()
+            if holds(snapshot):
+                return snapshot
+            assert time.monotonic() < deadline_s, (
+                f"waited in vain for {what}; state {snapshot.state.state}, "
+                f"fault {snapshot.fault}, job {snapshot.job}"
+            )
+            self.listen()
+
+    def listen(self) -> None:
+        """Take in what the status stream says now, and a little of what comes."""
+        for message in self.client.messages(_POLL_S):
+            self.seen.append(message)
+            if message.topic in {"state", "job", "fault", "part"}:
+                return
+
+    def wait_state(self, *states: str) -> Snapshot:
+        """Wait until the machine is in one of these states."""
+        return self.wait(f"state {states}", lambda snapshot: snapshot.state.state in states)
+
+    def finish(self) -> JobData:
+        """Wait until the job has ended."""
+        snapshot = self.wait(
+            "the end of the job",
+            lambda now: now.job is not None and bool(now.job.outcome) and now.state.state == "idle",
+        )
+        assert snapshot.job is not None
+        return snapshot.job
+
+    def truth(self) -> CellTruth:
+        """The world's truth."""
+        return self.world.truth()
+
+    def states_seen(self) -> list[str]:
+        """Top-level states in the order of their messages, repetitions left out."""
+        states: list[str] = []
+        for message in self.seen:
+            top = message.state.split("_", maxsplit=1)[0]
+            if message.topic == "state" and (not states or states[-1] != top):
+                states.append(top)
+        return states
+
+    def assert_as_planned(self) -> None:
+        """The world equals the plan, and holds nothing against the cell."""
+        plan = self.client.snapshot().plan
+        assert plan is not None
+        truth = self.truth()
+        assert set(truth.built) == set(plan.assembly.cells)
+        assert truth.violations == ()
+        assert sum(truth.counts.values()) == self.config.feeder.capacity_parts
+
+    def clear_workspace(self) -> None:
+        """A person takes everything out and says so."""
+        self.world.clear_workspace()
+        self.world.refill()
+        self.client.command("clear")
+
+
+@contextmanager
+def running_cell(speed: float = 20.0, **sections: dict[str, Any]) -> Iterator[RunningCell]:
+    """An emulated cell and a daemon, idle, with the confirmation waived.
+
+    Args:
+        speed: cell seconds per wall second.
+        sections: settings to change, by section: ``robot={"model": "ur10"}``.
+    """
+    base = load_config(CONFIG)
+    changed = {"policy": {"confirmation": "waived"}, **sections}
+    updates = {
+        name: getattr(base, name).model_copy(update=values) for name, values in changed.items()
+    }
+    config = CellConfig.model_validate(
+        base.model_copy(update=updates).model_dump(exclude_none=True)
+    )
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        own = isolated(config, Path(name), speed)
+        with (
+            emulated_cell(own, speed) as world,
+            running_daemon(own, Path(name)) as log,
+            CellClient(own.bus.control, own.bus.status) as client,
+            CellClient(own.bus.control, own.bus.status, Role.VISITOR) as visitor,
+        ):
+            client.subscribe()
+            client.wait_ready(PATIENCE_S)
+            cell = RunningCell(own, world, client, visitor)
+            try:
+                cell.wait_state("idle", "fault_held", "fault_stopped")
+                yield cell
+            except BaseException:
+                print(log.read_text(errors="replace")[-6000:])  # noqa: T201 - pytest shows it
+                raise
+
+
+def bar(nx: int, ny: int, nz: int, pitch_m: float = 0.1) -> bytes:
+    """A box of so many voxels, as an STL file in metres."""
+    box = trimesh.creation.box(extents=(nx * pitch_m, ny * pitch_m, nz * pitch_m))
+    content: bytes = box.export(file_type="stl")
+    return content
