@@ -1,0 +1,184 @@
+"""The whole emulated cell in one process: world, robot, gripper and conveyor on one clock."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import structlog
+
+from cellctl.config import CellConfig
+from cellctl.errors import UsageError
+from cellctl.sim.conveyor import ConveyorEmulator
+from cellctl.sim.faults import FAULTS, Device, Fault
+from cellctl.sim.latch import Latch, LatchFault
+from cellctl.sim.messages import Argument, CellTruth
+from cellctl.sim.ur.controller import UrController
+from cellctl.sim.ur.options import UrOptions
+from cellctl.sim.wiring import CellPlant
+from cellctl.sim.world import World
+from cellctl.sim.world_values import Imperfections, Violation
+
+log = structlog.get_logger(__name__)
+
+Arguments = dict[str, Argument]
+
+
+class EmulatedCell:
+    """Owns the emulators; ``start`` it, ``advance`` it in small steps of cell time, ``stop`` it.
+
+    Args:
+        config: an emulated cell; ``cell.clock_rate`` is the speed-up.
+        imperfections: how far the belt and its parts are from perfect.
+
+    Raises:
+        UsageError: the configuration is of a real cell.
+    """
+
+    def __init__(self, config: CellConfig, imperfections: Imperfections | None = None) -> None:
+        if config.emulation is None:
+            raise UsageError(
+                f"The cell {config.cell.name!r} is a real one and cannot be emulated.",
+                'Name a configuration with cell.kind = "emulated".',
+            )
+        self.config = config
+        self.seed = config.emulation.seed
+        self.world = World(config, self.seed, imperfections, _log_violation)
+        self.latch = Latch(self.world)
+        plant = CellPlant(self.world, self.latch, config.gripper)
+        self.robot = UrController(
+            UrOptions(
+                model=config.robot.model,
+                host=config.robot.host,
+                controller_version=config.emulation.controller_version,
+                clock_rate=config.cell.clock_rate,
+                initial_joints_rad=config.robot.home_rad,
+            ),
+            plant,
+        )
+        self.conveyor = ConveyorEmulator(self.world, config)
+        self._faults: list[str] = []
+
+    async def start(self) -> None:
+        """Open the robot's ports and the conveyor's pseudo-terminal.
+
+        Raises:
+            UsageError: an address is taken.
+        """
+        await self.robot.start()
+        try:
+            self.conveyor.start()
+        except BaseException:
+            await self.robot.stop()
+            raise
+
+    async def stop(self) -> None:
+        """Close everything; safe to repeat."""
+        self.conveyor.stop()
+        await self.robot.stop()
+
+    def advance(self, dt_s: float) -> None:
+        """Let cell time pass, at most 8 ms at once."""
+        self.world.advance(dt_s)
+        self.robot.advance(dt_s)
+        self.latch.advance(dt_s)
+        self.conveyor.advance(dt_s)
+
+    def inject(self, name: str, arguments: Arguments) -> None:
+        """Make a fault of the table happen.
+
+        Raises:
+            UsageError: no such fault, or not with these arguments.
+        """
+        fault = _checked(name, arguments)
+        values = fault.complete(arguments)
+        match fault.device:
+            case Device.ROBOT:
+                self.robot.inject(fault.effect, **values)
+            case Device.CONVEYOR:
+                self.conveyor.inject(fault.effect, **values)
+            case Device.GRIPPER:
+                self._inject_gripper(fault)
+            case Device.WORLD:
+                self._inject_world(fault, values)
+        if not fault.once and name not in self._faults:
+            self._faults.append(name)
+        log.info("fault injected", fault=name, **arguments)
+
+    def clear(self, name: str, arguments: Arguments) -> None:
+        """Mend what a fault broke; nothing happens where nothing is broken.
+
+        Raises:
+            UsageError: no such fault, or it is over by itself.
+        """
+        fault = _checked(name, arguments)
+        if fault.once:
+            raise UsageError(f"{name} happens once: there is nothing to clear.", fault.remedy)
+        match fault.device:
+            case Device.ROBOT:
+                self.robot.clear(fault.effect, **arguments)
+            case Device.CONVEYOR:
+                self.conveyor.clear(fault.effect, **arguments)
+            case Device.GRIPPER:
+                self.latch.clear(LatchFault(fault.effect))
+            case Device.WORLD:
+                self._clear_world(fault)
+        if name in self._faults:
+            self._faults.remove(name)
+        log.info("fault cleared", fault=name, **arguments)
+
+    def truth(self, lost_s: float) -> CellTruth:
+        """All that is the case; ``lost_s`` is the clock's."""
+        world = self.world
+        return CellTruth(
+            cell_time_s=world.time_s,
+            lost_s=lost_s,
+            seed=self.seed,
+            parts=world.parts(),
+            counts=world.counts(),
+            built=tuple(sorted(world.built, key=lambda cell: (cell.z, cell.x, cell.y))),
+            violations=tuple(world.violations),
+            imperfections=world.imperfections,
+            faults=tuple(self._faults),
+            robot=self.robot.truth(),
+            conveyor=self.conveyor.truth(),
+            latch=self.latch.truth(),
+        )
+
+    def _inject_gripper(self, fault: Fault) -> None:
+        if fault.effect == "reboot":
+            self.latch.reboot()
+        else:
+            self.latch.inject(LatchFault(fault.effect))
+
+    def _inject_world(self, fault: Fault, values: dict[str, Any]) -> None:
+        match fault.effect:
+            case "jam":
+                self.world.jam_belt(True)
+            case "empty":
+                self.world.empty_belt()
+            case "yaw":
+                self.world.turn_next_part(values["yaw_rad"])
+            case "stick":
+                self.world.stick_next_part()
+            case "remove":
+                self.world.remove_next_part()
+            case "drop":
+                self.world.drop_held_part()
+
+    def _clear_world(self, fault: Fault) -> None:
+        if fault.effect == "jam":
+            self.world.jam_belt(False)
+        else:
+            self.world.straighten_parts()
+
+
+def _checked(name: str, arguments: Arguments) -> Fault:
+    fault = FAULTS.get(name)
+    if fault is None:
+        raise UsageError(f"There is no fault {name!r}.", f"Known: {', '.join(sorted(FAULTS))}.")
+    fault.check(arguments)
+    return fault
+
+
+def _log_violation(violation: Violation) -> None:
+    log.warning("violation", **violation.model_dump(mode="json"))
