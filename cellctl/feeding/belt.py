@@ -33,29 +33,35 @@ class Belt(Protocol):
         """Open the port and check who answers; safe to repeat.
 
         Raises:
-            CellFault: ``belt_lost``.
+            CellFault: ``belt_lost`` or ``belt_mismatch``.
         """
         ...
 
     async def state(self) -> BeltState:
-        """Ask the board.
+        """Ask the board; connects first where the link was lost.
 
         Raises:
-            CellFault: ``belt_lost``.
+            CellFault: ``belt_lost`` or ``belt_mismatch``.
         """
         ...
 
     async def present(self) -> None:
         """Bring the next part to the pick station and return when it lies there; returns at once
-        when one already does. A lost reply never advances the belt twice.
+        when one already does. A lost reply never advances the belt twice. Cancelling it stops
+        the belt.
 
         Raises:
-            CellFault: ``belt_empty``, ``belt_jam`` or ``belt_lost``.
+            CellFault: ``belt_empty`` when nothing came, ``belt_jam`` when the belt did not move,
+                ``belt_lost`` or ``belt_mismatch``.
         """
         ...
 
     async def halt(self) -> None:
-        """Stop the belt where it is."""
+        """Stop the belt where it is; a ``present`` under way raises ``CancelledError``.
+
+        Raises:
+            CellFault: ``belt_lost`` or ``belt_mismatch``.
+        """
         ...
 
     async def close(self) -> None:

@@ -1,0 +1,227 @@
+"""The belt as a service: it brings parts on request, also while the arm is busy elsewhere.
+
+A request outlives the state that made it: whoever wants the part waits for it, and may stop waiting
+without stopping the belt. Retries happen here and are no fault; which of jam and empty a fault is,
+the inventory decides, for the board can only tell that nothing came.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from enum import StrEnum
+
+import structlog
+
+from cellctl.errors import CellFault
+from cellctl.feeding.belt import Belt, BeltIdentity, BeltState
+from cellctl.feeding.inventory import Inventory
+from cellctl.messages import ConveyorData
+
+log = structlog.get_logger(__name__)
+
+
+class BeltActivity(StrEnum):
+    """What the service is doing."""
+
+    IDLE = "idle"
+    INDEXING = "indexing"
+    """The belt brings a part."""
+    PRESENTING = "presenting"
+    """The belt has stopped; the sensor is asked whether the part lies there."""
+    READY = "ready"
+    """A part lay at the pick station when last looked at."""
+    FAULT = "fault"
+    """The last request ended in a fault; the next one, or ``recover``, tries anew."""
+
+
+class BeltService:
+    """Brings parts to the pick station. Belongs to one event loop; ``close`` ends it.
+
+    Args:
+        belt: the conveyor.
+        retries: how often bringing one part is tried again before it is a fault.
+        inventory: tells an empty belt from a jammed one.
+        on_change: called in the event loop with the new view whenever it changes.
+    """
+
+    def __init__(
+        self,
+        belt: Belt,
+        retries: int,
+        inventory: Inventory,
+        on_change: Callable[[ConveyorData], None],
+    ) -> None:
+        self._belt = belt
+        self._retries = retries
+        self._inventory = inventory
+        self._on_change = on_change
+        self._bringing: asyncio.Task[None] | None = None
+        """The newest request; done when the part lies there or could not be brought."""
+        self._near = asyncio.Event()
+        """The newest request has gone past indexing."""
+        self._view = ConveyorData(connected=False, activity=BeltActivity.IDLE)
+
+    @property
+    def ready(self) -> bool:
+        """Whether the part that was requested lies at the pick station."""
+        return self._view.activity == BeltActivity.READY
+
+    def view(self) -> ConveyorData:
+        """As the bus shows it; never asks the board."""
+        return self._view
+
+    async def connect(self) -> BeltIdentity:
+        """Connect to the board and look at the pick station.
+
+        Raises:
+            CellFault: ``belt_lost`` or ``belt_mismatch``.
+        """
+        try:
+            identity = await self._belt.connect()
+        except CellFault as fault:
+            self._show_fault(fault)
+            raise
+        self._show(BeltActivity.IDLE)
+        await self.state()
+        return identity
+
+    async def state(self) -> BeltState:
+        """Ask the board.
+
+        Raises:
+            CellFault: ``belt_lost`` or ``belt_mismatch``.
+        """
+        try:
+            state = await self._belt.state()
+        except CellFault as fault:
+            self._show_fault(fault)
+            raise
+        self._show(self._view.activity, part_present=state.part_present)
+        return state
+
+    def request_part(self) -> None:
+        """Begin to bring the next part; returns at once.
+
+        Does nothing while an earlier request is under way. A part that lies at the pick station
+        fulfils a request, so ask for the next one only when the last has left it.
+        """
+        if self._bringing is None or self._bringing.done():
+            self._near.clear()
+            self._show(BeltActivity.INDEXING)
+            self._bringing = asyncio.create_task(self._bring(), name="belt: bring a part")
+            self._bringing.add_done_callback(_retrieve)
+
+    async def part_ready(self, near: Callable[[], None] = lambda: None) -> None:
+        """Wait until the part that was requested lies at the pick station.
+
+        Cancelling this wait does not stop the belt.
+
+        Args:
+            near: called once, when the part has arrived and is being checked.
+
+        Raises:
+            CellFault: the belt could not bring it.
+            CancelledError: also when ``halt`` ended the request.
+        """
+        assert self._bringing is not None, "wait for a part only after requesting one"
+        bringing = self._bringing
+        nearing = asyncio.create_task(self._near.wait(), name="belt: part near")
+        try:
+            await asyncio.wait({bringing, nearing}, return_when=asyncio.FIRST_COMPLETED)
+            if self._near.is_set():
+                near()
+        finally:
+            nearing.cancel()
+            with suppress(asyncio.CancelledError):
+                await nearing
+        await asyncio.shield(bringing)
+
+    async def halt(self) -> None:
+        """Drop the request under way and stop the belt.
+
+        Never raises for a board that does not answer: one that hears nothing stops by itself.
+        """
+        await self._drop_request()
+        try:
+            await self._belt.halt()
+        except CellFault as fault:
+            log.warning("the belt cannot be told to halt", reason=str(fault))
+            self._show_fault(fault)
+
+    async def recover(self) -> None:
+        """Leave a fault: connect anew, drop what was requested, look at the pick station.
+
+        Raises:
+            CellFault: ``belt_lost`` or ``belt_mismatch``: its cause is still there.
+        """
+        await self._drop_request()
+        await self.connect()
+
+    async def close(self) -> None:
+        """End the request under way and let go of the port; safe to repeat."""
+        await self._drop_request()
+        await self._belt.close()
+        self._show(BeltActivity.IDLE, connected=False)
+
+    async def _bring(self) -> None:
+        for retry in range(self._retries + 1):
+            try:
+                await self._bring_once()
+            except CellFault as raised:
+                fault = self._judged(raised)
+            except asyncio.CancelledError:
+                self._show(BeltActivity.IDLE)
+                raise
+            else:
+                self._show(BeltActivity.READY, part_present=True)
+                return
+            if fault.code in {"belt_empty", "belt_mismatch"}:
+                break
+            if retry < self._retries:
+                log.warning("bringing a part failed, trying again", reason=str(fault))
+        self._show_fault(fault)
+        raise fault
+
+    async def _bring_once(self) -> None:
+        await self._belt.present()
+        self._show(BeltActivity.PRESENTING)
+        self._near.set()
+        state = await self._belt.state()
+        if not state.part_present:
+            raise CellFault("belt_empty", "The part that came is gone again.")
+
+    def _judged(self, fault: CellFault) -> CellFault:
+        """Nothing came: with parts on the belt, by the inventory, that is a jam."""
+        on_belt = self._inventory.counts.belt
+        if fault.code != "belt_empty" or on_belt == 0:
+            return fault
+        return CellFault("belt_jam", f"{fault.detail} There should be {on_belt} on the belt.")
+
+    async def _drop_request(self) -> None:
+        if self._bringing is not None and not self._bringing.done():
+            self._bringing.cancel()
+            await asyncio.wait({self._bringing})
+
+    def _show_fault(self, fault: CellFault) -> None:
+        connected = fault.code not in {"belt_lost", "belt_mismatch"}
+        self._show(BeltActivity.FAULT, connected=connected, part_present=False)
+
+    def _show(
+        self, activity: str, *, connected: bool = True, part_present: bool | None = None
+    ) -> None:
+        view = ConveyorData(
+            connected=connected,
+            activity=activity,
+            part_present=self._view.part_present if part_present is None else part_present,
+        )
+        if view != self._view:
+            self._view = view
+            self._on_change(view)
+
+
+def _retrieve(bringing: asyncio.Task[None]) -> None:
+    """A fault that nobody waits for is shown, and no defect."""
+    if not bringing.cancelled():
+        bringing.exception()
