@@ -1,0 +1,112 @@
+"""What the arm process does for each order, as generators.
+
+Every ``yield`` hands control back to the one loop that reads the robot, kicks the watchdog and
+listens to the daemon, and is resumed a few milliseconds later with a fresh state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+
+from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link, Sample
+from cellctl.assembling.arm_messages import Follow, MoveJoints, WaitInput
+from cellctl.assembling.poses import distance
+from cellctl.errors import CellFault
+
+_ARRIVED_M = 0.0015
+_ARRIVED_RAD = 0.002
+_STALLED_S = 0.5
+"""At rest away from the target for so long (robot time): the movement has ended early."""
+_STOP_TIMEOUT_S = 5.0
+"""For coming to rest after a stop (robot time)."""
+_SETTLED_S = 0.02
+"""A state this much younger (robot time) than an order shows what came of it."""
+_TIMEOUT_MARGIN_S = 2.0
+
+
+def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, None, None]:
+    """Start a path behind the gate, open it, and wait for the end.
+
+    Raises:
+        CellFault: whatever keeps the arm from arriving.
+    """
+    link.check()
+    yield from link.close_gate()
+    link.start_path(order.path)
+    link.open_gate()
+    target = order.path[-1].pose
+
+    def arrived(sample: Sample) -> bool:
+        apart_m, apart_rad = distance(sample.tcp_pose, target)
+        return apart_m < _ARRIVED_M and apart_rad < _ARRIVED_RAD
+
+    yield from _arrive(link, arrived, order.planned_duration_s * timeout_factor)
+
+
+def move_joints(
+    link: Link, order: MoveJoints, timeout_factor: float
+) -> Generator[None, None, None]:
+    """Turn the joints and wait for the end.
+
+    Raises:
+        CellFault: whatever keeps the arm from arriving.
+    """
+
+    def apart_rad(sample: Sample) -> float:
+        return max(
+            abs(target - joint)
+            for target, joint in zip(order.target_rad, sample.joints_rad, strict=True)
+        )
+
+    link.check()
+    planned_s = apart_rad(link.sample) / order.speed_rad_s
+    planned_s += order.speed_rad_s / JOINT_ACCELERATION_RAD_S2
+    link.start_joints(order.target_rad, order.speed_rad_s)
+    yield from _arrive(
+        link, lambda sample: apart_rad(sample) < _ARRIVED_RAD, planned_s * timeout_factor
+    )
+
+
+def stop(link: Link) -> Generator[None, None, None]:
+    """Brake and wait until nothing moves; leaves the gate open.
+
+    Raises:
+        CellFault: ``motion_timeout`` when the arm does not come to rest.
+    """
+    link.brake()
+    begun_s = link.sample.robot_time_s
+    # The newest state may be older than the order to brake, and show an arm that still stands.
+    while link.sample.robot_time_s - begun_s < _SETTLED_S or not link.sample.at_rest:
+        if link.sample.robot_time_s - begun_s > _STOP_TIMEOUT_S:
+            raise CellFault("motion_timeout", "The arm does not come to rest.")
+        yield
+    link.open_gate()
+
+
+def wait_input(link: Link, order: WaitInput) -> Generator[None, None, bool]:
+    """Wait for a level; returns False on time-out."""
+    begun_s = link.sample.robot_time_s
+    while bool(link.sample.inputs >> order.line & 1) != order.high:
+        if link.sample.robot_time_s - begun_s > order.timeout_s:
+            return False
+        yield
+    return True
+
+
+def _arrive(
+    link: Link, arrived: Callable[[Sample], bool], timeout_s: float
+) -> Generator[None, None, None]:
+    """Wait until the arm rests at its target."""
+    begun_s = last_under_way_s = link.sample.robot_time_s
+    while True:
+        yield
+        sample = link.sample
+        if sample.at_rest and arrived(sample) and sample.robot_time_s - begun_s > _SETTLED_S:
+            return
+        link.check()
+        if not sample.at_rest or link.under_way():
+            last_under_way_s = sample.robot_time_s
+        elif sample.robot_time_s - last_under_way_s > _STALLED_S:
+            raise CellFault("program_stopped", "The arm came to rest before its target.")
+        if sample.robot_time_s - begun_s > timeout_s + _TIMEOUT_MARGIN_S:
+            raise CellFault("motion_timeout")
