@@ -130,14 +130,14 @@ class FaultData(Value):
 
 
 class LogData(Value):
-    """Topic ``log``: a line for people."""
+    """Topic ``log``: a warning or an error of the daemon, for people."""
 
-    level: Literal["info", "warning", "error"]
+    level: Literal["warning", "error"]
     message: str
 
 
 class HealthData(Value):
-    """Topic ``health``, the heartbeat: sent at a fixed interval whatever happens."""
+    """Topic ``health``: the heartbeat, sent at a fixed interval whatever happens."""
 
     uptime_s: float
     loop_blocked_p99_s: float
@@ -296,5 +296,5 @@ class ControlReply(Value):
 
 
 REQUEST_ADAPTER: TypeAdapter[ControlRequest] = TypeAdapter(ControlRequest)
-OPERATOR_COMMANDS = frozenset({"build", "pause", "resume", "reset", "clear"})
+OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear"})
 """Commands that a visitor may not give."""

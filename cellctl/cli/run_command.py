@@ -9,6 +9,7 @@ import typer
 
 from cellctl import logs
 from cellctl.cli.options import ConfigOption, configuration
+from cellctl.config import CellConfig
 
 
 def register(app: typer.Typer) -> None:
@@ -22,11 +23,13 @@ def register(app: typer.Typer) -> None:
         ] = "info",
     ) -> None:
         """Run the cell's daemon until it is told to end (SIGTERM or Ctrl-C)."""
-        from cellctl.control.daemon import Daemon  # noqa: PLC0415 - only this command needs it
-
         logs.configure(log_level)
-        asyncio.run(_run(Daemon, configuration(config)))
+        asyncio.run(_run(configuration(config), log_level))
 
 
-async def _run(daemon: type, settings: object) -> None:
-    await daemon(settings).run()
+async def _run(config: CellConfig, log_level: str) -> None:
+    from cellctl.control.daemon import Daemon  # noqa: PLC0415 - only this command needs it
+
+    daemon = Daemon(config)
+    logs.configure(log_level, forward=daemon.publish_log)
+    await daemon.run()

@@ -10,7 +10,6 @@ import contextlib
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-import structlog
 import zmq
 import zmq.asyncio
 from pydantic import ValidationError
@@ -26,8 +25,6 @@ from cellctl.messages import (
     StatusData,
     StatusMessage,
 )
-
-log = structlog.get_logger(__name__)
 
 Handler = Callable[[ControlRequest, bytes | None], Awaitable[ControlReply]]
 
@@ -85,12 +82,8 @@ class Bus:
             topic=TOPIC_OF[type(data)],
             data=data.model_dump(mode="json"),
         )
-        try:
-            self._pub.send_multipart(
-                [message.topic.encode(), message.model_dump_json().encode()], zmq.NOBLOCK
-            )
-        except zmq.Again:
-            log.warning("status message dropped", seq=self.seq)
+        # A PUB socket never blocks: it drops what a slow subscriber does not take.
+        self._pub.send_multipart([message.topic.encode(), message.model_dump_json().encode()])
 
     async def serve(self, handler: Handler, state: Callable[[], str]) -> None:
         """Answer requests until cancelled; each is handled in a task of its own."""

@@ -221,7 +221,6 @@ class Cell:
             group.create_task(self._devices.belt.halt())
 
     async def _recover(self, post: Post) -> None:
-        await self._devices.arm.connect()
         await self._devices.arm.recover()
         await self._devices.belt.recover()
         post(Event.RECOVERED)

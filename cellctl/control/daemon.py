@@ -28,7 +28,7 @@ from cellctl.feeding.conveyor import Conveyor
 from cellctl.feeding.inventory import Inventory
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
-from cellctl.messages import FaultData, GripperData, Snapshot, StatusData
+from cellctl.messages import FaultData, GripperData, LogData, Snapshot, StatusData
 from cellctl.worker import WorkerProcess
 
 log = structlog.get_logger(__name__)
@@ -49,7 +49,7 @@ class Daemon:
         self.bus = Bus(config.bus.status, config.bus.control, self.clock)
         self.loop_monitor = LoopMonitor()
         self.journal = MemoryJournal(self.clock)
-        self.arm: Arm = RemoteArm(config, self.clock)
+        self.arm: Arm = RemoteArm(config)
         self.hearing = Hearing(config.hearing)
         inventory = Inventory.full(config.limits.inventory_parts)
         conveyor = Conveyor(config.feeder, config.voxel.pitch_m, self.clock)
@@ -98,6 +98,10 @@ class Daemon:
 
     def _publish(self, data: StatusData) -> None:
         self.bus.publish(data, self._state())
+
+    def publish_log(self, level: str, message: str) -> None:
+        """Put a warning or an error of the log on the bus."""
+        self._publish(LogData(level="error" if level == "error" else "warning", message=message))
 
     async def _heartbeat(self) -> None:
         while True:

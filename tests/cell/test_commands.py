@@ -1,0 +1,116 @@
+"""Pause, stop, cancel, confirm and the rest, through the door that people use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from cellctl.errors import RefusedError, UsageError
+from tests.cell.harness import RunningCell, bar, running_cell
+
+pytestmark = pytest.mark.wire
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[RunningCell]:
+    with running_cell(speed=20.0, policy={"confirmation": "ask"}) as running:
+        yield running
+
+
+@pytest.fixture
+def idle(cell: RunningCell) -> Iterator[RunningCell]:
+    cell.seen.clear()
+    yield cell
+    cell.clear_workspace()
+
+
+def begin(cell: RunningCell, height: int = 2) -> None:
+    cell.client.build("bar.stl", bar(1, 1, height))
+    cell.wait_state("validating_confirming")
+    cell.visitor.confirm(True)
+
+
+def test_the_cell_asks_before_it_builds(idle: RunningCell) -> None:
+    idle.visitor.say("the letter T")
+    snapshot = idle.wait_state("validating_confirming")
+    assert snapshot.state.sentence.startswith("Letter T")
+    assert "Shall I build it?" in snapshot.state.sentence
+    idle.visitor.say("no thanks")
+    assert idle.finish().outcome == "declined"
+    assert idle.truth().built == ()
+
+
+def test_pause_waits_for_a_safe_point_and_resume_goes_on(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.client.command("pause")
+    snapshot = idle.wait_state("paused_resting")
+    assert snapshot.gripper.holding == "nothing"
+    assert len(idle.truth().built) == 1
+    idle.client.command("resume")
+    assert idle.finish().outcome == "built"
+    idle.assert_as_planned()
+
+
+def test_stop_brakes_at_once_and_keeps_the_part(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("a part on its way", lambda now: now.state.state == "assembling_placing")
+    idle.visitor.command("stop")
+    snapshot = idle.wait_state("paused_resting")
+    assert snapshot.gripper.holding == "part"
+    assert snapshot.arm.tcp_speed_m_s < 0.01
+    with pytest.raises(RefusedError, match="operator"):
+        idle.visitor.command("resume")
+    idle.client.command("resume")
+    assert idle.finish().outcome == "built"
+    idle.assert_as_planned()
+
+
+def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningCell) -> None:
+    begin(idle, height=3)
+    idle.wait_state("assembling_placing")
+    idle.visitor.command("cancel")
+    job = idle.finish()
+    assert job.outcome == "cancelled"
+    truth = idle.truth()
+    assert len(truth.built) == 1
+    assert truth.violations == ()
+    with pytest.raises(RefusedError, match="1 parts stand"):
+        idle.visitor.say("the letter T")
+
+
+def test_a_part_that_a_cancelled_job_left_in_the_gripper_is_built_into_the_next(
+    idle: RunningCell,
+) -> None:
+    begin(idle)
+    idle.wait("a part on its way", lambda now: now.gripper.holding == "part")
+    idle.client.command("stop")
+    idle.wait_state("paused_resting")
+    idle.client.command("cancel")
+    assert idle.finish().outcome == "cancelled"
+    begin(idle)
+    assert idle.finish().outcome == "built"
+    idle.assert_as_planned()
+
+
+def test_what_makes_no_sense_is_refused_with_a_reason(idle: RunningCell) -> None:
+    for command in ("resume", "reset", "cancel"):
+        with pytest.raises(RefusedError):
+            idle.client.command(command)
+    with pytest.raises(RefusedError, match="Nothing waits for a yes"):
+        idle.client.confirm(True)
+    with pytest.raises(RefusedError, match="operator"):
+        idle.visitor.build("bar.stl", bar(1, 1, 1))
+    with pytest.raises(UsageError, match="empty"):
+        idle.client.build("bar.stl", b"")
+    idle.client.build("bar.stl", b"this is no mesh")
+    assert idle.finish().outcome == "cannot_plan"
+
+
+def test_pause_in_idle_holds_new_jobs_until_resumed(idle: RunningCell) -> None:
+    idle.client.command("pause")
+    with pytest.raises(RefusedError, match="paused"):
+        idle.visitor.say("the letter T")
+    idle.client.command("resume")
+    idle.wait_state("idle")

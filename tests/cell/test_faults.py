@@ -1,0 +1,182 @@
+"""Each fault injected at the wire, left by its documented way, and the same daemon builds on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from cellctl.errors import CATALOGUE, RefusedError
+from tests.cell.harness import RunningCell, bar, running_cell
+
+pytestmark = pytest.mark.wire
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[RunningCell]:
+    with running_cell(speed=20.0) as running:
+        yield running
+
+
+@pytest.fixture
+def idle(cell: RunningCell) -> Iterator[RunningCell]:
+    """An idle cell, and afterwards proof that the same daemon still builds."""
+    cell.seen.clear()
+    yield cell
+    cell.clear_workspace()
+    begin(cell)
+    assert cell.finish().outcome == "built"
+    assert len(cell.truth().built) == 2
+    cell.clear_workspace()
+
+
+def begin(cell: RunningCell, nx: int = 1, nz: int = 2) -> None:
+    cell.client.build("bar.stl", bar(nx, 1, nz))
+
+
+def expect_fault(cell: RunningCell, code: str) -> None:
+    """The cell is in a fault of that code, says so, and nothing moves."""
+    snapshot = cell.wait("a fault", lambda now: now.fault.entry is not None)
+    assert snapshot.fault.entry is not None
+    assert snapshot.fault.entry.code == code
+    entry = CATALOGUE[code]
+    snapshot = cell.wait_state(f"fault_{entry.severity.value}")
+    assert entry.title in snapshot.state.sentence
+    assert entry.remedy in snapshot.state.sentence
+    for command in ("resume", "pause", "cancel"):
+        with pytest.raises(RefusedError):
+            cell.client.command(command)
+    still = cell.wait("rest", lambda now: not now.arm.moving)
+    assert still.arm.joints_rad == pytest.approx(cell.client.snapshot().arm.joints_rad, abs=1e-4)
+
+
+def reset_and_resume(cell: RunningCell) -> None:
+    cell.client.command("reset")
+    snapshot = cell.wait_state("paused_resting")
+    assert snapshot.fault.entry is None
+    cell.client.command("resume")
+
+
+def finish_as_planned(cell: RunningCell) -> None:
+    assert cell.finish().outcome == "built"
+    cell.assert_as_planned()
+
+
+def test_an_empty_belt(idle: RunningCell) -> None:
+    idle.world.inject("belt_empty")
+    begin(idle)
+    expect_fault(idle, "belt_jam")  # the inventory knows of parts that should be there
+    idle.world.refill()
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_jammed_belt(idle: RunningCell) -> None:
+    begin(idle, nz=3)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("belt_jam")
+    expect_fault(idle, "belt_jam")
+    idle.world.clear("belt_jam")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_gripper_that_reports_nothing(idle: RunningCell) -> None:
+    idle.world.inject("gripper_silent")
+    begin(idle)
+    expect_fault(idle, "gripper_silent")
+    idle.world.clear("gripper_silent")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_gripper_that_reports_a_fault(idle: RunningCell) -> None:
+    idle.world.inject("gripper_fault")
+    begin(idle)
+    expect_fault(idle, "gripper_fault")
+    idle.world.clear("gripper_fault")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_protective_stop_in_mid_place(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("protective_stop")
+    expect_fault(idle, "protective_stop")
+    assert idle.client.snapshot().gripper.holding == "part"
+    assert idle.truth().latch["latched"]
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_an_emergency_stop_in_mid_place(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("emergency_stop")
+    expect_fault(idle, "emergency_stop")
+    idle.client.command("reset")
+    expect_fault(idle, "emergency_stop")  # the button is still pressed
+    idle.world.clear("emergency_stop")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_safeguard_stop_in_mid_place(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("safeguard_stop")
+    expect_fault(idle, "safeguard_stop")
+    idle.world.clear("safeguard_stop")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_lost_connection_in_mid_place(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("drop_connections")
+    expect_fault(idle, "robot_lost")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_killed_program_in_mid_place(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.world.inject("kill_program")
+    expect_fault(idle, "program_stopped")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_silent_conveyor_board(idle: RunningCell) -> None:
+    idle.world.inject("board_silent")
+    begin(idle)
+    expect_fault(idle, "belt_lost")
+    idle.world.clear("board_silent")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_missed_pick_is_tried_again_and_is_no_fault(idle: RunningCell) -> None:
+    idle.world.inject("gripper_stuck")
+    begin(idle)
+    expect_fault(idle, "gripper_silent")
+    idle.world.clear("gripper_stuck")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_a_robot_that_refuses_the_connection(cell: RunningCell) -> None:
+    """At the start, as a visitor's first sight of the cell in the morning."""
+    cell.world.inject("refuse_connections")
+    cell.world.inject("drop_connections")
+    cell.client.say("the letter T")
+    expect_fault(cell, "robot_lost")
+    cell.client.command("reset")
+    expect_fault(cell, "robot_lost")
+    cell.world.clear("refuse_connections")
+    reset_and_resume(cell)
+    finish_as_planned(cell)
+    cell.clear_workspace()

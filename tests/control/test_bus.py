@@ -1,0 +1,139 @@
+"""The two sockets: everyone gets an answer, and every message follows its schema."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+import zmq
+import zmq.asyncio
+
+from cellctl.assembly import Role
+from cellctl.client import CellClient, NoDaemonError
+from cellctl.clock import SystemClock
+from cellctl.control.bus import Bus
+from cellctl.errors import ConfigError, RefusedError
+from cellctl.messages import ControlReply, ControlRequest, GripperData, ReplyError
+
+
+async def handler(request: ControlRequest, attachment: bytes | None) -> ControlReply:
+    if request.body.command == "pause":
+        error = ReplyError(code="refused", message="Not now.")
+        return ControlReply(id=request.id, ok=False, state="idle", error=error)
+    size = len(attachment or b"")
+    return ControlReply(
+        id=request.id, ok=True, state="idle", message=f"{request.role} sent {size} bytes"
+    )
+
+
+@asynccontextmanager
+async def serving(folder: Path) -> AsyncIterator[Bus]:
+    bus = Bus(f"ipc://{folder}/status", f"ipc://{folder}/control", SystemClock())
+    bus.open()
+    task = asyncio.create_task(bus.serve(handler, lambda: "idle"))
+    try:
+        yield bus
+    finally:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        bus.close()
+
+
+def client(folder: Path, timeout_s: float = 10.0) -> CellClient:
+    return CellClient(f"ipc://{folder}/control", f"ipc://{folder}/status", Role.VISITOR, timeout_s)
+
+
+def test_a_request_gets_its_reply_and_an_attachment_arrives(tmp_path: Path) -> None:
+    async def exercise() -> None:
+        async with serving(tmp_path):
+            with client(tmp_path) as cell:
+                reply = await asyncio.to_thread(cell.hear, "a.wav", b"12345")
+                assert reply.message == "visitor sent 5 bytes"
+                with pytest.raises(RefusedError, match="Not now"):
+                    await asyncio.to_thread(cell.command, "pause")
+
+    asyncio.run(exercise())
+
+
+@pytest.mark.parametrize(
+    ("frame", "says"),
+    [
+        (b"", "Invalid JSON"),
+        (b"\xff\xfe", "Invalid JSON"),
+        (b"[]", "should be an object"),
+        (b'{"id": "1", "role": "visitor", "body": {"command": "fly"}}', "fly"),
+        (b'{"id": "1", "role": "king", "body": {"command": "stop"}}', "role"),
+        (b'{"id": "1", "role": "visitor", "body": {"command": "say", "text": ""}}', "text"),
+        (
+            b'{"schema_version": 2, "id": "1", "role": "visitor", "body": {"command": "stop"}}',
+            "schema_version",
+        ),
+    ],
+)
+def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, says: str) -> None:
+    async def exercise() -> ControlReply:
+        async with serving(tmp_path):
+            context = zmq.asyncio.Context()
+            socket = context.socket(zmq.DEALER)
+            try:
+                socket.connect(f"ipc://{tmp_path}/control")
+                await socket.send(frame)
+                async with asyncio.timeout(10):
+                    return ControlReply.model_validate_json(await socket.recv())
+            finally:
+                context.destroy(linger=0)
+
+    reply = asyncio.run(exercise())
+    assert reply.error is not None
+    assert reply.error.code == "invalid"
+    assert says in reply.error.message
+
+
+def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:
+    async def exercise() -> None:
+        async with serving(tmp_path) as bus:
+            with client(tmp_path) as cell:
+                cell.subscribe()
+                await asyncio.to_thread(cell.hear, "joined", b"1")
+                for holding in ("part", "nothing"):
+                    bus.publish(GripperData(holding=holding), "idle")
+                messages = await asyncio.to_thread(lambda: list(cell.messages(0.5)))
+        assert [message.seq for message in messages] == [1, 2]
+        assert [message.payload() for message in messages] == [
+            GripperData(holding="part"),
+            GripperData(holding="nothing"),
+        ]
+        assert {message.topic for message in messages} == {"gripper"}
+        assert json.loads(messages[0].model_dump_json())["schema_version"] == 1
+
+    asyncio.run(exercise())
+
+
+def test_a_second_daemon_on_the_same_end_points_is_refused(tmp_path: Path) -> None:
+    async def exercise() -> None:
+        endpoint = f"tcp://127.0.0.1:{free_port()}"
+        first = Bus(endpoint, f"ipc://{tmp_path}/a", SystemClock())
+        second = Bus(endpoint, f"ipc://{tmp_path}/b", SystemClock())
+        try:
+            first.open()
+            with pytest.raises(ConfigError, match="Another daemon may be running"):
+                second.open()
+        finally:
+            first.close()
+            second.close()
+
+    asyncio.run(exercise())
+
+
+def free_port() -> int:
+    with zmq.Context() as context, context.socket(zmq.REP) as socket:
+        return socket.bind_to_random_port("tcp://127.0.0.1")
+
+
+def test_a_client_without_a_daemon_says_what_to_do(tmp_path: Path) -> None:
+    with client(tmp_path, timeout_s=0.1) as cell, pytest.raises(NoDaemonError, match="cellctl run"):
+        cell.snapshot()
