@@ -5,6 +5,8 @@ SHELL := /bin/bash
 .PHONY: help demo test soak lint format docs lock setup clean
 
 BIN := .venv/bin
+# Where matplotlib keeps its list of fonts, whatever the home directory is like.
+export MPLCONFIGDIR := $(CURDIR)/.venv/matplotlib
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
