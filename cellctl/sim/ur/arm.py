@@ -8,7 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cellctl.sim.plant import Floats
-from cellctl.sim.ur.kinematics import Kinematics, matrix_pose, pose_matrix, rotation_vector
+from cellctl.sim.ur.kinematics import (
+    Kinematics,
+    joint_distance,
+    matrix_pose,
+    pose_matrix,
+    rotation_vector,
+)
 from cellctl.sim.ur.motion import JointBrake, LineBrake, Motion
 from cellctl.sim.ur.options import Six, UrOptions
 from cellctl.sim.ur.trajectory import MotionError, Planner, Trajectory
@@ -40,6 +46,9 @@ class Arm:
 
     def __init__(self, options: UrOptions) -> None:
         self._options = options
+        tolerance = options.speed_tolerance
+        self._joint_speed_trip_rad_s = [v * tolerance for v in options.joint_speed_limit_rad_s]
+        self._tcp_speed_trip_m_s = options.tcp_speed_limit_m_s * tolerance
         self.kinematics = Kinematics(options.model, options.joint_position_limit_rad)
         self.planner = Planner(self.kinematics, options)
         self.joints_rad: Six = options.initial_joints_rad
@@ -48,7 +57,8 @@ class Arm:
         self.flange = self.kinematics.flange(self.joints_rad)
         self.tcp_offset: Six = _ZERO
         self._tcp = pose_matrix(_ZERO)
-        self.tcp_pose = matrix_pose(self.flange)
+        self._pose = self.flange
+        self.tcp_pose = matrix_pose(self._pose)
         self.tcp_twist: Six = _ZERO
         self.rate = 1.0
         self.slider = 1.0
@@ -71,7 +81,8 @@ class Arm:
         """Take another TCP; the arm does not move."""
         self.tcp_offset = offset
         self._tcp = pose_matrix(offset)
-        self.tcp_pose = matrix_pose(self.flange @ self._tcp)
+        self._pose = self.flange @ self._tcp
+        self.tcp_pose = matrix_pose(self._pose)
 
     @property
     def joints_array(self) -> Floats:
@@ -165,7 +176,6 @@ class Arm:
         if self._motion is not None:
             time_s = duration_s * (self.rate if self._motion.scalable else 1.0)
             after = self._advanced(self._motion, time_s, before)
-            self._check(after, duration_s)
         self._place(after, duration_s)
         if self._motion is not None and self._motion.done:
             self._let_go()
@@ -184,7 +194,7 @@ class Arm:
             self.stop_joints(self._options.program_stop_rad_s2)
             return before
         if motion.scalable:
-            self._nominal_rad_s = _leading(before, after) / time_s
+            self._nominal_rad_s = joint_distance(before, after) / time_s
         return after
 
     def _change_rate(self, duration_s: float) -> None:
@@ -202,48 +212,56 @@ class Arm:
         else:
             self.rate = max(wanted, self.rate - step)
 
-    def _check(self, joints_rad: Six, duration_s: float) -> None:
+    def _check_joints(self, joints_rad: Six, velocity_rad_s: Six) -> None:
         options = self._options
-        for i, (q, before) in enumerate(zip(joints_rad, self.joints_rad, strict=True)):
-            if abs(q) > options.joint_position_limit_rad[i] and abs(q) > abs(before):
-                raise MotionError(f"joint {i} is at its position limit")
-            most = options.joint_speed_limit_rad_s[i] * options.speed_tolerance
-            if abs(q - before) > most * duration_s:
+        if not self.kinematics.within_limits(joints_rad):
+            for i, most in enumerate(options.joint_position_limit_rad):
+                if abs(joints_rad[i]) > max(most, abs(self.joints_rad[i])):
+                    raise MotionError(f"joint {i} is at its position limit")
+        for i, most in enumerate(self._joint_speed_trip_rad_s):
+            if abs(velocity_rad_s[i]) > most:
                 raise MotionError(f"joint {i} exceeds its speed limit")
 
     def _place(self, joints_rad: Six, duration_s: float) -> None:
-        """Take new joint positions and work out the speeds."""
+        """Take new joint positions and work out the speeds.
+
+        Raises:
+            MotionError: they, or the speeds, are beyond a limit. Nothing is taken then.
+        """
         if joints_rad == self.joints_rad:
-            if self.moving:
-                self.velocity_rad_s = self.acceleration_rad_s2 = self.tcp_twist = _ZERO
-                self.rest_s = 0.0
-                if self.braking is not None:
-                    self.braking.at_rest = True
-            self.rest_s += duration_s
+            self._rest(duration_s)
             return
+        velocity = _rates(self.joints_rad, joints_rad, duration_s)
+        self._check_joints(joints_rad, velocity)
         flange = self.kinematics.flange(joints_rad)
         pose = flange @ self._tcp
-        options = self._options
-        offset_m = pose[:3, 3] - np.array(self.tcp_pose[:3])
-        distance_m = math.hypot(*offset_m.tolist())
-        if distance_m > options.tcp_speed_limit_m_s * options.speed_tolerance * duration_s:
+        before, after = self._pose.tolist(), pose.tolist()
+        vx, vy, vz = ((after[i][3] - before[i][3]) / duration_s for i in range(3))
+        speed_m_s = math.hypot(vx, vy, vz)
+        if speed_m_s > self._tcp_speed_trip_m_s:
             raise MotionError("the TCP exceeds its speed limit")
-        if options.tcp_box_m is not None:
+        if self._options.tcp_box_m is not None:
             self._check_box(pose)
-        turn = rotation_vector(pose[:3, :3] @ (self.flange @ self._tcp)[:3, :3].T)
-        velocity = _rates(self.joints_rad, joints_rad, duration_s)
+        turn = rotation_vector(pose[:3, :3] @ self._pose[:3, :3].T)
+        wx, wy, wz = (angle / duration_s for angle in turn)
         self.acceleration_rad_s2 = _rates(self.velocity_rad_s, velocity, duration_s)
         self.velocity_rad_s = velocity
-        vx, vy, vz = (offset_m / duration_s).tolist()
-        wx, wy, wz = (angle / duration_s for angle in turn)
         self.tcp_twist = (vx, vy, vz, wx, wy, wz)
         self.joints_rad = joints_rad
         self.flange = flange
+        self._pose = pose
         self.tcp_pose = matrix_pose(pose)
         self.rest_s = 0.0
         if self.braking is not None and not self.braking.at_rest:
-            self.braking.distance_m += distance_m
+            self.braking.distance_m += speed_m_s * duration_s
             self.braking.duration_s += duration_s
+
+    def _rest(self, duration_s: float) -> None:
+        if self.moving:
+            self.velocity_rad_s = self.acceleration_rad_s2 = self.tcp_twist = _ZERO
+            if self.braking is not None:
+                self.braking.at_rest = True
+        self.rest_s += duration_s
 
     def _check_box(self, pose: Floats) -> None:
         assert self._options.tcp_box_m is not None
@@ -263,10 +281,14 @@ class Arm:
         self._nominal_rad_s = 0.0
 
 
-def _leading(before: Six, after: Six) -> float:
-    return max(abs(b - a) for a, b in zip(before, after, strict=True))
-
-
 def _rates(before: Six, after: Six, duration_s: float) -> Six:
-    v0, v1, v2, v3, v4, v5 = ((b - a) / duration_s for a, b in zip(before, after, strict=True))
-    return (v0, v1, v2, v3, v4, v5)
+    a0, a1, a2, a3, a4, a5 = before
+    b0, b1, b2, b3, b4, b5 = after
+    return (
+        (b0 - a0) / duration_s,
+        (b1 - a1) / duration_s,
+        (b2 - a2) / duration_s,
+        (b3 - a3) / duration_s,
+        (b4 - a4) / duration_s,
+        (b5 - a5) / duration_s,
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import time
 from collections.abc import Callable
 from dataclasses import asdict
 
@@ -15,8 +16,6 @@ from cellctl.sim.ur.robot import Robot, Runtime
 from cellctl.sim.ur.rtde import RtdeService
 from cellctl.sim.ur.script import script_server
 
-_TIME_TOLERANCE = 1e-9
-
 
 class UrController:
     """One robot controller on one address.
@@ -27,11 +26,17 @@ class UrController:
     Args:
         options: what it is.
         plant: the physical cell that the arm and the digital lines belong to.
+        wall_clock: monotonic wall time in seconds; what concerns the network runs by it.
     """
 
-    def __init__(self, options: UrOptions, plant: Plant) -> None:
+    def __init__(
+        self,
+        options: UrOptions,
+        plant: Plant,
+        wall_clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.options = options
-        self.robot = Robot(options, plant)
+        self.robot = Robot(options, plant, wall_clock)
         self._rtde = RtdeService(
             options.host,
             self.robot.registers,
@@ -44,6 +49,8 @@ class UrController:
             script_server(options.host, self.robot.upload),
             dashboard_server(options.host, self.robot),
         )
+        self._wall_clock = wall_clock
+        self._wall_s = wall_clock()
         self._pending_s = 0.0
 
     async def start(self) -> None:
@@ -67,20 +74,23 @@ class UrController:
     def advance(self, dt_s: float) -> None:
         """Let cell time pass; call it for every tick of the process, about every 2 ms.
 
-        The controller acts once a cycle of its own (2 or 8 ms of wall time); shorter ticks add up.
+        The controller acts once a cycle of its own (2 or 8 ms of cell time); shorter ticks add up.
+        The state stream and the watchdog run by the wall clock instead, so that a tick that makes
+        up for lost time in one go neither floods the clients nor uses up their window.
         """
         self._pending_s += dt_s
-        rate = self.options.clock_rate
-        if self._pending_s + dt_s / 2.0 < self.options.cycle_s * rate - _TIME_TOLERANCE:
+        if self._pending_s + dt_s / 2.0 < self.options.cycle_s:
             return
-        elapsed_s, self._pending_s = self._pending_s, 0.0
-        self._watch(elapsed_s / rate)
-        self.robot.advance(elapsed_s)
-        self._rtde.stream(elapsed_s / rate)
+        cell_s, self._pending_s = self._pending_s, 0.0
+        wall_s = self._wall_clock()
+        elapsed_s, self._wall_s = wall_s - self._wall_s, wall_s
+        self._watch(elapsed_s)
+        self.robot.advance(cell_s)
+        self._rtde.stream(elapsed_s)
 
-    def _watch(self, elapsed_wall_s: float) -> None:
+    def _watch(self, elapsed_s: float) -> None:
         robot = self.robot
-        if robot.runtime is not Runtime.PLAYING or not robot.watchdog.due(elapsed_wall_s):
+        if not robot.watchdog.due(elapsed_s) or robot.runtime is not Runtime.PLAYING:
             return
         self._rtde.server.read_pending()
         if robot.watchdog.due(0.0):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import le, sub
 from typing import Literal
 
 import numpy as np
@@ -27,8 +28,8 @@ _D_M: dict[str, Six] = {
 }
 _ALPHA_RAD = (math.pi / 2, 0.0, 0.0, math.pi / 2, -math.pi / 2, 0.0)
 
-_NEAR_RAD = 0.2
-"""A solution this close to the previous joints is the same branch; no other need be compared."""
+NEAR_RAD = 0.2
+"""A solution this close to the previous joints is of the same branch, and none nearer exists."""
 _SEARCH_STEPS = 60
 _SEARCH_DAMPING = 1e-4
 _POSITION_TOLERANCE_M = 1e-6
@@ -60,21 +61,23 @@ class Kinematics:
         Returns:
             None when the pose is out of reach or only reachable beyond a joint's limit.
         """
-        if not np.isfinite(flange).all():
-            return None
-        flange = np.ascontiguousarray(flange)
         for solution in self._solver.inverse_kinematics_closest(flange, *near_rad):
-            same = _unwrap(solution.tolist(), near_rad, self._limit_rad)
-            if same is not None and _distance(same, near_rad) < _NEAR_RAD:
+            q0, q1, q2, q3, q4, q5 = solution.tolist()
+            same = (q0, q1, q2, q3, q4, q5)
+            if joint_distance(same, near_rad) < NEAR_RAD and self.within_limits(same):
                 return same
         best: Six | None = None
         for solution in self._solver.inverse_kinematics(flange):
             candidate = _unwrap(solution.tolist(), near_rad, self._limit_rad)
             if candidate is not None and (
-                best is None or _distance(candidate, near_rad) < _distance(best, near_rad)
+                best is None or joint_distance(candidate, near_rad) < joint_distance(best, near_rad)
             ):
                 best = candidate
         return best if best is not None else self._search(flange, near_rad)
+
+    def within_limits(self, joints_rad: Six) -> bool:
+        """Whether every joint is within its position limit."""
+        return all(map(le, map(abs, joints_rad), self._limit_rad))
 
     def _search(self, target: Floats, start_rad: Six) -> Six | None:
         """Damped least squares: slow, for the poses that have no closed-form solution."""
@@ -118,8 +121,9 @@ class Kinematics:
         return frames
 
 
-def _distance(one: Six, other: Six) -> float:
-    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+def joint_distance(one: Six, other: Six) -> float:
+    """Largest difference of any joint, in radians."""
+    return float(max(map(abs, map(sub, one, other))))
 
 
 def _unwrap(joints: Sequence[float], near_rad: Six, limit_rad: Six) -> Six | None:

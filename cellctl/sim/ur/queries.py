@@ -7,6 +7,7 @@ is ever seen.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from cellctl.sim.plant import Floats
@@ -21,6 +22,8 @@ def solve(machine: Machine, pose: Six, near_rad: Six | None = None) -> Six:
     Raises:
         ProgramError: there are none, at which the robot's program ends.
     """
+    if not all(map(math.isfinite, pose)):
+        raise ProgramError("get_inverse_kin: the pose is not a number")
     arm = machine.arm
     target = pose_matrix(pose) @ inverse_matrix(arm.tcp)
     joints_rad = arm.kinematics.joints(target, near_rad or arm.joints_rad)
@@ -97,9 +100,8 @@ def _pose_is_safe(machine: Machine, window: Window) -> None:
 
 def _joints_are_safe(machine: Machine, window: Window) -> None:
     joints_rad = window.six(0)
-    limits = machine.options.joint_position_limit_rad
     tcp = _forward(machine, joints_rad, machine.arm.tcp)
-    safe = all(abs(q) <= most for q, most in zip(joints_rad, limits, strict=True))
+    safe = machine.arm.kinematics.within_limits(joints_rad)
     window.put_integer(1, int(safe and _in_box(machine, matrix_pose(tcp)[:3])))
 
 

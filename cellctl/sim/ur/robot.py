@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 
@@ -55,13 +55,14 @@ class Robot:
     Args:
         options: what it is.
         plant: the physical cell that the arm and the digital lines belong to.
+        wall_clock: monotonic wall time in seconds, for the watchdog.
     """
 
-    def __init__(self, options: UrOptions, plant: Plant) -> None:
+    def __init__(self, options: UrOptions, plant: Plant, wall_clock: Callable[[], float]) -> None:
         self.options = options
         self.registers = Registers()
         self.arm = Arm(options)
-        self.watchdog = Watchdog(options.watchdog_stall_s)
+        self.watchdog = Watchdog(options.watchdog_stall_s, wall_clock)
         self.watched_register = 0
         self.joint_history: deque[Six] = deque([options.initial_joints_rad], _HISTORY_CYCLES)
         self.safety = Safety(options)

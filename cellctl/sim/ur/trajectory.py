@@ -6,6 +6,7 @@ the path) is for the arm that follows it.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
@@ -17,8 +18,10 @@ import numpy as np
 
 from cellctl.sim.plant import Floats
 from cellctl.sim.ur.kinematics import (
+    NEAR_RAD,
     Kinematics,
     inverse_matrix,
+    joint_distance,
     pose_matrix,
     rotation_matrix,
     rotation_vector,
@@ -206,6 +209,8 @@ class LineTrajectory(Trajectory):
         joints_rad = self._kinematics.joints(target @ self._tcp_inverse, near_rad)
         if joints_rad is None:
             raise MotionError("a point of the line is out of reach")
+        if joint_distance(joints_rad, near_rad) > NEAR_RAD:
+            raise MotionError("a singularity or a joint's limit is in the way of the line")
         return joints_rad
 
     def _blended_rotation(self, piece: Piece, fraction: float) -> Floats:
@@ -235,6 +240,10 @@ class Planner:
         Raises:
             MotionError: a target is out of reach or beyond a joint's limit.
         """
+        if not all(math.isfinite(value) for w in waypoints for value in w.target):
+            raise MotionError("a target is not a number")
+        if not all(w.speed > 0.0 and w.acceleration > 0.0 for w in waypoints):
+            raise MotionError("a movement needs a speed and an acceleration")
         trajectories: list[Trajectory] = []
         rest = list(waypoints)
         while rest:
@@ -271,9 +280,8 @@ class Planner:
         )
 
     def _joint(self, start_rad: Six, tcp: Floats, run: list[Waypoint]) -> JointTrajectory:
-        limit = self.options.joint_position_limit_rad
         for waypoint in run:
-            if any(abs(q) > most for q, most in zip(waypoint.target, limit, strict=True)):
+            if not self.kinematics.within_limits(waypoint.target):
                 raise MotionError("a target is beyond a joint's position limit")
 
         def corner(waypoint: Waypoint) -> Floats:
