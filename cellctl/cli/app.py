@@ -7,9 +7,11 @@ wrong, where, and what to do about it.
 from __future__ import annotations
 
 import sys
+import traceback
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from cellctl import __version__
 from cellctl.cli import (
@@ -65,12 +67,12 @@ def main() -> None:
         app()
     except CellctlError as error:
         console = Console(stderr=True, highlight=False, soft_wrap=True)
-        console.print("[bold red]error:[/]", error.message, markup=True)
+        console.print("[bold red]error:[/]", Text(error.message))
         if error.hint:
-            console.print("[bold]what to do:[/]", error.hint)
+            console.print("[bold]what to do:[/]", Text(error.hint))
         sys.exit(int(error.exit_status))
     except KeyboardInterrupt:
         sys.exit(130)
     except Exception:  # noqa: BLE001 - the last resort: show it, end with its status
-        Console(stderr=True).print_exception()
+        traceback.print_exc()
         sys.exit(int(ExitStatus.INTERNAL))

@@ -23,7 +23,7 @@ from rich.table import Table
 
 from cellctl.assembly import Cell, Role
 from cellctl.cli.following import follow_job
-from cellctl.client import CellClient
+from cellctl.client import CellClient, NoDaemonError
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError, ExitStatus
 from cellctl.messages import Snapshot
@@ -45,9 +45,38 @@ class Wish:
     wav: Path | None
 
 
+class DaemonProcess:
+    """``cellctl run`` as a process of its own.
+
+    Args:
+        process: the running process.
+        log: the file that its log goes to.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], log: Path) -> None:
+        self.process = process
+        self._log = log
+
+    def log_tail(self, size: int = 4000) -> str:
+        """The end of its log."""
+        return self._log.read_text(errors="replace")[-size:]
+
+    def check(self) -> None:
+        """Make sure that it still runs.
+
+        Raises:
+            CellctlError: it does not.
+        """
+        if self.process.poll() is not None:
+            raise CellctlError(
+                f"The daemon ended by itself with status {self.process.returncode}.\n"
+                f"{self.log_tail()}"
+            )
+
+
 @contextmanager
-def running_daemon(config: CellConfig, folder: Path) -> Iterator[Path]:
-    """``cellctl run`` as a process of its own; yields its log file.
+def running_daemon(config: CellConfig, folder: Path) -> Iterator[DaemonProcess]:
+    """Start a daemon in a process of its own, and always end it.
 
     Raises:
         CellctlError: it ended before it was asked to.
@@ -61,10 +90,10 @@ def running_daemon(config: CellConfig, folder: Path) -> Iterator[Path]:
             stdout=sink,
             stderr=sink,
         )
+    daemon = DaemonProcess(process, log)
     try:
-        yield log
-        if process.poll() is not None:
-            raise CellctlError(f"The daemon ended by itself with status {process.returncode}.")
+        yield daemon
+        daemon.check()
     finally:
         process.terminate()
         try:
@@ -94,17 +123,17 @@ def demonstrate(
         wav = wish.wav if wish.wav is not None else _spoken(wish.text or "", folder, console)
         with (
             emulated_cell(own, own.cell.clock_rate) as world,
-            running_daemon(own, folder) as log,
+            running_daemon(own, folder) as daemon,
             CellClient(own.bus.control, own.bus.status, Role.VISITOR) as cell,
         ):
             try:
-                _wait_idle(cell)
+                wait_idle(cell, daemon)
                 cell.subscribe()
                 reply = cell.hear(wav.name, wav.read_bytes())
                 status = follow_job(cell, reply.job_id, console)
                 snapshot = cell.snapshot()
             except CellctlError:
-                console.print(log.read_text(errors="replace")[-4000:], markup=False)
+                console.print(daemon.log_tail(), markup=False)
                 raise
             truth = world.truth()
     report = make_report(snapshot, truth)
@@ -156,11 +185,21 @@ def _difference(job: Any, name: str) -> float | None:
     return round(float(moment) - float(job.end_of_speech_s), 2)
 
 
-def _wait_idle(cell: CellClient) -> None:
-    cell.wait_ready(_START_PATIENCE_S)
+def wait_idle(cell: CellClient, daemon: DaemonProcess) -> None:
+    """Wait until the cell has started.
+
+    Raises:
+        CellctlError: it does not, and why.
+    """
     deadline_s = time.monotonic() + _START_PATIENCE_S
     while True:
-        snapshot = cell.snapshot()
+        daemon.check()
+        try:
+            snapshot = cell.wait_ready(1.0)
+        except NoDaemonError:
+            if time.monotonic() > deadline_s:
+                raise
+            continue
         if snapshot.state.state == "idle":
             return
         if snapshot.state.state.startswith("fault") or time.monotonic() > deadline_s:

@@ -216,9 +216,21 @@ class Cell:
             log.warning("while holding", reason=str(fault))
 
     async def _halt_everything(self) -> None:
-        async with asyncio.timeout(_DEVICE_PATIENCE_S), asyncio.TaskGroup() as group:
-            group.create_task(self._devices.arm.stop())
-            group.create_task(self._devices.belt.halt())
+        """Stop arm and belt, both even if one of them fails.
+
+        Raises:
+            CellFault: the arm or the belt could not be told to stop.
+        """
+        try:
+            async with asyncio.timeout(_DEVICE_PATIENCE_S):
+                results = await asyncio.gather(
+                    self._devices.arm.stop(), self._devices.belt.halt(), return_exceptions=True
+                )
+        except TimeoutError:
+            raise CellFault("robot_lost", "It does not confirm that it stopped.") from None
+        for result in results:
+            if isinstance(result, BaseException):
+                raise result
 
     async def _recover(self, post: Post) -> None:
         await self._devices.arm.recover()

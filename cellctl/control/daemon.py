@@ -56,7 +56,7 @@ class Daemon:
         belt = BeltService(conveyor, config.feeder.retries, inventory, self._publish)
         self.designer = WorkerProcess("planner")
         self.devices = Devices(self.arm, belt, self.hearing, self.designer)
-        gripper = LatchGripper(self.arm, config.gripper, self.clock)
+        gripper = LatchGripper(self.arm, config)
         self.builder = Builder(
             config,
             self.clock,

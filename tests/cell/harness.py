@@ -13,7 +13,7 @@ from typing import Any
 import trimesh
 
 from cellctl.assembly import Role
-from cellctl.cli.demo import running_daemon
+from cellctl.cli.demo import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
 from cellctl.messages import JobData, Snapshot, StatusMessage
@@ -120,18 +120,17 @@ def running_cell(speed: float = 20.0, **sections: dict[str, Any]) -> Iterator[Ru
         own = isolated(config, Path(name), speed)
         with (
             emulated_cell(own, speed) as world,
-            running_daemon(own, Path(name)) as log,
+            running_daemon(own, Path(name)) as daemon,
             CellClient(own.bus.control, own.bus.status) as client,
             CellClient(own.bus.control, own.bus.status, Role.VISITOR) as visitor,
         ):
             client.subscribe()
-            client.wait_ready(PATIENCE_S)
             cell = RunningCell(own, world, client, visitor)
             try:
-                cell.wait_state("idle", "fault_held", "fault_stopped")
+                wait_idle(client, daemon)
                 yield cell
             except BaseException:
-                print(log.read_text(errors="replace")[-6000:])  # noqa: T201 - pytest shows it
+                print(daemon.log_tail(6000))  # noqa: T201 - pytest shows it
                 raise
 
 
