@@ -153,7 +153,7 @@ class Conveyor:
         raise self._lost(f"{self._settings.port}: no answer to {SENDS} lines.")
 
     async def _session(self) -> SerialLink:
-        """The link, with a board behind it that was identified in this session."""
+        """The link, with a board behind it that was identified since it was opened."""
         if self._link is None or self._identity is None:
             await self._connect()
         assert self._link is not None

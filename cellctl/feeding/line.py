@@ -2,9 +2,9 @@
 
 Described for people in ``docs/serial-protocol.md``. One line is one frame::
 
-    host to board     >1A F 1000*8C\\n       '>' number ' ' command [' ' argument] '*' CRC
-    board to host     <1A busy 03 002F*5D\\n '<' number ' ' kind [' ' field]... '*' CRC
-    unasked, at boot  !conveyor 1 watchdog*07\\n
+    host to board     >1A F 03E8*49              number, command, argument, CRC
+    board to host     <1A busy 02 002F*63        number, kind, fields, CRC
+    unasked, at boot  !conveyor 01 watchdog*FD   role, protocol version, cause, CRC
 
 The board must be able to run on a microcontroller with 256 bytes of memory: a command fits 16
 bytes, numbers are hexadecimal in capitals, and what the board has to remember is one sequence

@@ -1,0 +1,1 @@
+"""Tests of the belt: protocol, driver, service, inventory, and the emulated conveyor."""

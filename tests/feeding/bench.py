@@ -1,0 +1,107 @@
+"""A test bench: a conveyor driver, the emulated board behind a real pty, and a belt of parts."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cellctl.clock import SystemClock
+from cellctl.config import CellConfig, load_config
+from cellctl.feeding.conveyor import Conveyor
+from cellctl.sim.conveyor import ConveyorEmulator
+
+SIM_CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
+PITCH_M = 0.1
+RATE = 10.0
+"""Cell seconds per wall second."""
+SENSOR_M = 0.0015
+DEADLINE_S = 20.0
+
+
+class PartsOnBelt:
+    """A belt without an end stop: an advance too many carries a part past the sensor."""
+
+    def __init__(self, parts: int) -> None:
+        self.ahead_m = [PITCH_M * (number + 1) for number in range(parts)]
+        """How far each part has still to go to the pick station."""
+        self.travel_m = 0.0
+        """Net travel, forward less backward."""
+
+    def belt_move(self, distance_m: float) -> None:
+        self.travel_m += distance_m
+        self.ahead_m = [ahead_m - distance_m for ahead_m in self.ahead_m]
+
+    def part_at_pick(self) -> bool:
+        return any(abs(ahead_m) < SENSOR_M for ahead_m in self.ahead_m)
+
+    def take(self) -> None:
+        """The arm takes the part at the pick station."""
+        self.ahead_m.remove(next(ahead for ahead in self.ahead_m if abs(ahead) < SENSOR_M))
+
+
+@dataclass
+class Bench:
+    """All that a test of the belt works with."""
+
+    config: CellConfig
+    clock: SystemClock
+    world: PartsOnBelt
+    emulator: ConveyorEmulator
+    conveyor: Conveyor
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Wait until something holds; fails after ``DEADLINE_S`` of wall time."""
+        async with asyncio.timeout(DEADLINE_S):
+            while not holds():
+                await self.clock.sleep(0.01)
+
+    async def indexing_at(self, distance_m: float) -> None:
+        """Wait until the belt has gone this far."""
+        await self.until(lambda: self.world.travel_m >= distance_m)
+
+    async def at_rest(self) -> None:
+        """Wait until the belt stands still."""
+        await self.until(lambda: not self.emulator.truth().moving)
+
+
+def cell_config(port: Path, **feeder: Any) -> CellConfig:
+    """The emulated cell with its conveyor at this port and with other feeder settings."""
+    config = load_config(SIM_CONFIG)
+    settings = config.feeder.model_copy(update={"port": str(port), **feeder})
+    return config.model_copy(update={"feeder": settings})
+
+
+@asynccontextmanager
+async def bench(parts: int = 5, **feeder: Any) -> AsyncIterator[Bench]:
+    """Everything running; taken apart again at the end."""
+    with tempfile.TemporaryDirectory() as folder:
+        config = cell_config(Path(folder) / "cell" / "conveyor", **feeder)
+        clock = SystemClock(RATE)
+        world = PartsOnBelt(parts)
+        emulator = ConveyorEmulator(world, config)
+        emulator.start()
+        running = asyncio.create_task(_advance(emulator, clock))
+        conveyor = Conveyor(config.feeder, config.voxel.pitch_m, clock)
+        try:
+            yield Bench(config, clock, world, emulator, conveyor)
+        finally:
+            await conveyor.close()
+            running.cancel()
+            with suppress(asyncio.CancelledError):
+                await running
+            emulator.stop()
+        assert not (Path(folder) / "cell").exists(), "the emulator left its port behind"
+
+
+async def _advance(emulator: ConveyorEmulator, clock: SystemClock) -> None:
+    before_s = clock.now_s()
+    while True:
+        await asyncio.sleep(0.001)
+        now_s = clock.now_s()
+        emulator.advance(now_s - before_s)
+        before_s = now_s

@@ -1,0 +1,241 @@
+"""The belt service over the real driver and the emulated board."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from cellctl.errors import CellFault
+from cellctl.feeding.inventory import Act, Inventory
+from cellctl.feeding.service import BeltActivity, BeltService
+from cellctl.messages import ConveyorData
+from tests.feeding.bench import PITCH_M, Bench, bench
+
+
+@dataclass
+class Served:
+    """A service on the bench, and all that it published."""
+
+    bench: Bench
+    service: BeltService
+    inventory: Inventory
+    views: list[ConveyorData]
+
+    def activities(self) -> list[str]:
+        """What was published, without repetitions of the activity."""
+        found: list[str] = []
+        for view in self.views:
+            if not found or found[-1] != view.activity:
+                found.append(view.activity)
+        return found
+
+
+@asynccontextmanager
+async def served(parts: int = 3, retries: int = 1, **feeder: Any) -> AsyncIterator[Served]:
+    async with bench(parts=parts, **feeder) as cell:
+        inventory = Inventory.full(parts)
+        views: list[ConveyorData] = []
+        service = BeltService(cell.conveyor, retries, inventory, views.append)
+        try:
+            yield Served(cell, service, inventory, views)
+        finally:
+            await service.close()
+        names = {task.get_name() for task in asyncio.all_tasks()}
+        assert not [name for name in names if name.startswith("belt")]
+
+
+def test_a_part_is_requested_awaited_and_shown() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            await cell.service.connect()
+            cell.service.request_part()
+            near: list[str] = []
+            await cell.service.part_ready(lambda: near.append(cell.service.view().activity))
+            assert cell.service.ready
+            assert len(near) == 1
+            assert cell.activities() == [
+                BeltActivity.IDLE,
+                BeltActivity.INDEXING,
+                BeltActivity.PRESENTING,
+                BeltActivity.READY,
+            ]
+            assert cell.service.view().connected
+            assert cell.service.view().part_present
+
+    asyncio.run(scenario())
+
+
+def test_the_next_part_comes_while_nobody_waits() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            await cell.service.part_ready()
+            cell.bench.world.take()
+            cell.inventory.apply(Act.PICK)
+            cell.service.request_part()
+            assert not cell.service.ready
+            await cell.bench.until(lambda: cell.service.ready)
+            await cell.service.part_ready()
+            assert cell.bench.world.travel_m == pytest.approx(2 * PITCH_M, abs=0.002)
+
+    asyncio.run(scenario())
+
+
+def test_who_stops_waiting_does_not_stop_the_belt() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            waiting = asyncio.create_task(cell.service.part_ready())
+            await cell.bench.indexing_at(0.03)
+            waiting.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await waiting
+            cell.service.request_part()  # the request under way stands
+            await cell.service.part_ready()
+            assert cell.bench.emulator.truth().motions == 1
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.parametrize(("counted", "code"), [(0, "belt_empty"), (3, "belt_jam")])
+def test_the_inventory_tells_empty_from_jammed(counted: int, code: str) -> None:
+    async def scenario() -> None:
+        async with served(parts=0) as cell:
+            cell.inventory.counts = Inventory.full(counted).counts
+            cell.service.request_part()
+            with pytest.raises(CellFault) as caught:
+                await cell.service.part_ready()
+            assert caught.value.code == code
+            assert cell.service.view().activity == BeltActivity.FAULT
+            # An empty belt is not tried again; a jam is, once.
+            assert cell.bench.emulator.truth().motions == (1 if code == "belt_empty" else 2)
+
+    asyncio.run(scenario())
+
+
+def test_a_jam_that_frees_itself_is_no_fault() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.bench.emulator.inject("jam")
+            cell.service.request_part()
+            await cell.bench.until(lambda: cell.bench.emulator.truth().travel_m > 0.1)
+            cell.bench.emulator.clear("jam")
+            await cell.service.part_ready()
+            assert BeltActivity.FAULT not in cell.activities()
+
+    asyncio.run(scenario())
+
+
+def test_a_fault_that_nobody_waits_for_is_shown_and_the_next_request_tries_anew() -> None:
+    async def scenario() -> None:
+        async with served(retries=0) as cell:
+            cell.bench.emulator.inject("stall")
+            cell.service.request_part()
+            await cell.bench.until(lambda: cell.service.view().activity == BeltActivity.FAULT)
+            with pytest.raises(CellFault) as caught:
+                await cell.service.part_ready()
+            assert caught.value.code == "belt_jam"
+            cell.bench.emulator.clear("stall")
+            cell.service.request_part()
+            await cell.service.part_ready()
+
+    asyncio.run(scenario())
+
+
+def test_a_lost_board_is_shown_and_recovered_once_it_answers() -> None:
+    async def scenario() -> None:
+        async with served(reply_timeout_s=0.05) as cell:
+            await cell.service.connect()
+            cell.bench.emulator.inject("unplugged")
+            cell.service.request_part()
+            with pytest.raises(CellFault) as caught:
+                await cell.service.part_ready()
+            assert caught.value.code == "belt_lost"
+            assert not cell.service.view().connected
+            with pytest.raises(CellFault):
+                await cell.service.recover()
+            cell.bench.emulator.clear("unplugged")
+            await cell.service.recover()
+            assert cell.service.view() == ConveyorData(connected=True, activity=BeltActivity.IDLE)
+            cell.service.request_part()
+            await cell.service.part_ready()
+
+    asyncio.run(scenario())
+
+
+def test_a_link_that_is_lost_for_a_moment_is_no_fault() -> None:
+    async def scenario() -> None:
+        async with served(retries=5, reply_timeout_s=0.1) as cell:
+            cell.service.request_part()
+            await cell.bench.indexing_at(0.03)
+            cell.bench.emulator.inject("silent")
+            await cell.bench.at_rest()
+            cell.bench.emulator.clear("silent")
+            await cell.service.part_ready()
+            assert cell.bench.world.travel_m == pytest.approx(PITCH_M, abs=0.002)
+
+    asyncio.run(scenario())
+
+
+def test_halt_ends_the_request_and_the_belt_stands() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            waiting = asyncio.create_task(cell.service.part_ready())
+            await cell.bench.indexing_at(0.03)
+            await cell.service.halt()
+            assert not cell.bench.emulator.truth().moving
+            assert cell.bench.world.travel_m < 0.09
+            await asyncio.wait({waiting})
+            assert waiting.cancelled()
+            assert cell.service.view().activity == BeltActivity.IDLE
+            cell.service.request_part()
+            await cell.service.part_ready()
+            assert cell.bench.world.travel_m == pytest.approx(PITCH_M, abs=0.002)
+
+    asyncio.run(scenario())
+
+
+def test_halt_does_not_raise_for_a_board_that_is_gone() -> None:
+    async def scenario() -> None:
+        async with served(reply_timeout_s=0.05) as cell:
+            await cell.service.connect()
+            cell.bench.emulator.inject("silent")
+            await cell.service.halt()
+            assert not cell.service.view().connected
+
+    asyncio.run(scenario())
+
+
+def test_close_in_mid_index_leaves_no_task_and_a_belt_that_stands() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            await cell.bench.indexing_at(0.03)
+            await cell.service.close()
+            await cell.bench.at_rest()
+            assert cell.bench.world.travel_m < 0.09
+            assert not cell.service.view().connected
+            await cell.service.close()
+
+    asyncio.run(scenario())
+
+
+def test_a_part_that_vanishes_before_the_arm_comes_is_not_called_ready() -> None:
+    async def scenario() -> None:
+        async with served(parts=1, retries=0) as cell:
+            cell.bench.emulator.inject("sensor_blocked", reads=True)
+            cell.service.request_part()
+            # The index ends at once; the sensor then sees nothing when it is asked again.
+            await cell.bench.until(lambda: BeltActivity.PRESENTING in cell.activities())
+            cell.bench.emulator.clear("sensor_blocked")
+            with pytest.raises(CellFault, match="gone again") as caught:
+                await cell.service.part_ready()
+            assert caught.value.code == "belt_jam"
+
+    asyncio.run(scenario())
