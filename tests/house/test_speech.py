@@ -53,7 +53,7 @@ def modules() -> dict[str, ast.Module]:
         ("unfinished", r"\b(?:TODO|FIXME|XXX|HACK)\b|raise NotImplementedError"),
         (
             "about how it was made",
-            r"(?i)\b(?:sub-?agents?|AI assistant|this session|issue #?\d+)\b",
+            r"(?i)\b(?:sub-?agents?|AI assistant|issue #?\d+)\b",
         ),
         ("left from a merge", r"^(?:<{7}|>{7}) "),
     ],
