@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any
 
 import structlog
@@ -89,8 +90,7 @@ class EmulatedCell:
         Raises:
             UsageError: no such fault, or not with these arguments.
         """
-        fault = _checked(name, arguments)
-        values = fault.complete(arguments)
+        fault, values = _checked(name, arguments)
         match fault.device:
             case Device.ROBOT:
                 self.robot.inject(fault.effect, **values)
@@ -100,8 +100,10 @@ class EmulatedCell:
                 self._inject_gripper(fault)
             case Device.WORLD:
                 self._inject_world(fault, values)
-        if not fault.once and name not in self._faults:
-            self._faults.append(name)
+        label = _label(fault, values)
+        lasting = not fault.once and fault.device is not Device.CONVEYOR
+        if lasting and label not in self._faults:
+            self._faults.append(label)
         log.info("fault injected", fault=name, **arguments)
 
     def clear(self, name: str, arguments: Arguments) -> None:
@@ -110,20 +112,21 @@ class EmulatedCell:
         Raises:
             UsageError: no such fault, or it is over by itself.
         """
-        fault = _checked(name, arguments)
+        fault, values = _checked(name, arguments)
         if fault.once:
             raise UsageError(f"{name} happens once: there is nothing to clear.", fault.remedy)
         match fault.device:
             case Device.ROBOT:
-                self.robot.clear(fault.effect, **arguments)
+                self.robot.clear(fault.effect, **values)
             case Device.CONVEYOR:
-                self.conveyor.clear(fault.effect, **arguments)
+                self.conveyor.clear(fault.effect)
             case Device.GRIPPER:
                 self.latch.clear(LatchFault(fault.effect))
             case Device.WORLD:
-                self._clear_world(fault)
-        if name in self._faults:
-            self._faults.remove(name)
+                self.world.straighten_parts()
+        label = _label(fault, values)
+        if label in self._faults:
+            self._faults.remove(label)
         log.info("fault cleared", fault=name, **arguments)
 
     def truth(self, lost_s: float) -> CellTruth:
@@ -138,11 +141,21 @@ class EmulatedCell:
             built=tuple(sorted(world.built, key=lambda cell: (cell.z, cell.x, cell.y))),
             violations=tuple(world.violations),
             imperfections=world.imperfections,
-            faults=tuple(self._faults),
+            faults=self._active_faults(),
             robot=self.robot.truth(),
-            conveyor=self.conveyor.truth(),
+            conveyor=self.conveyor.truth().model_dump(mode="json"),
             latch=self.latch.truth(),
         )
+
+    def _active_faults(self) -> tuple[str, ...]:
+        # Some of the conveyor's faults end by themselves: it knows best which are left.
+        left = self.conveyor.truth().faults
+        on_conveyor = [
+            fault.name
+            for fault in FAULTS.values()
+            if fault.device is Device.CONVEYOR and fault.effect in left
+        ]
+        return (*self._faults, *on_conveyor)
 
     def _inject_gripper(self, fault: Fault) -> None:
         if fault.effect == "reboot":
@@ -152,8 +165,6 @@ class EmulatedCell:
 
     def _inject_world(self, fault: Fault, values: dict[str, Any]) -> None:
         match fault.effect:
-            case "jam":
-                self.world.jam_belt(True)
             case "empty":
                 self.world.empty_belt()
             case "yaw":
@@ -165,19 +176,19 @@ class EmulatedCell:
             case "drop":
                 self.world.drop_held_part()
 
-    def _clear_world(self, fault: Fault) -> None:
-        if fault.effect == "jam":
-            self.world.jam_belt(False)
-        else:
-            self.world.straighten_parts()
 
-
-def _checked(name: str, arguments: Arguments) -> Fault:
+def _checked(name: str, arguments: Arguments) -> tuple[Fault, dict[str, Any]]:
     fault = FAULTS.get(name)
     if fault is None:
-        raise UsageError(f"There is no fault {name!r}.", f"Known: {', '.join(sorted(FAULTS))}.")
-    fault.check(arguments)
-    return fault
+        near = difflib.get_close_matches(name, FAULTS, n=3, cutoff=0.4) or sorted(FAULTS)
+        raise UsageError(f"There is no fault {name!r}.", f"Try: {', '.join(near)}.")
+    return fault, fault.complete(arguments)
+
+
+def _label(fault: Fault, values: dict[str, Any]) -> str:
+    """What tells a fault from others of its name: the arguments that must be given."""
+    telling = [f"{p.name}={values[p.name]}" for p in fault.parameters if p.required]
+    return " ".join([fault.name, *telling])
 
 
 def _log_violation(violation: Violation) -> None:

@@ -26,10 +26,13 @@ class Parameter(NamedTuple):
     """One argument of a fault."""
 
     name: str
+    kind: type[str] | type[int] | type[float] | type[bool]
+    """An int is taken where a float is asked for."""
     meaning: str
     """With its unit."""
-    default: Argument
-    """Its type is the argument's type; an int is taken where a float is asked for."""
+    default: Argument | None = None
+    """None: there is none, and the argument is left out when it is not given."""
+    required: bool = False
 
 
 class Fault(NamedTuple):
@@ -46,37 +49,198 @@ class Fault(NamedTuple):
     remedy: str = ""
     """What sets it right, where that is not ``clear``."""
 
-    def check(self, arguments: Mapping[str, Argument]) -> None:
-        """Whether the arguments are among the parameters, and of their types.
+    def complete(self, arguments: Mapping[str, Argument]) -> dict[str, Any]:
+        """The arguments, with defaults for those that are not given.
 
         Raises:
-            UsageError: naming the argument and what is known.
+            UsageError: one is unknown, missing or of another type; with what is known.
         """
         known = {parameter.name: parameter for parameter in self.parameters}
-        for name, value in arguments.items():
+        for name in arguments:
             if name not in known:
                 names = ", ".join(known) or "none"
+                raise UsageError(f"{self.name} has no argument {name!r}.", f"It has: {names}.")
+        complete = {}
+        for name, (_, kind, meaning, default, required) in known.items():
+            value = arguments.get(name, default)
+            if value is None and required:
+                raise UsageError(f"{self.name} needs {name}: {meaning}.")
+            if value is None:
+                continue
+            if type(value) is not kind and not (kind is float and type(value) is int):
                 raise UsageError(
-                    f"{self.name} has no argument {name!r}.", f"Its arguments: {names}."
+                    f"{self.name}: {name} = {value!r} is no {kind.__name__}.", f"It is {meaning}."
                 )
-            expected = type(known[name].default)
-            fits = type(value) is expected or (expected is float and type(value) is int)
-            if not fits:
-                raise UsageError(
-                    f"{self.name}: {name} = {value!r} is no {expected.__name__}.",
-                    f"{known[name].meaning}.",
-                )
-
-    def complete(self, arguments: Mapping[str, Argument]) -> dict[str, Any]:
-        """The arguments, with defaults for those that are not given."""
-        return {
-            parameter.name: arguments.get(parameter.name, parameter.default)
-            for parameter in self.parameters
-        }
+            complete[name] = value
+        return complete
 
 
-_ROBOT: tuple[Fault, ...] = ()
-_CONVEYOR: tuple[Fault, ...] = ()
+_LINES = "0-7 standard, 8-15 configurable, 16-17 tool"
+_OUTPUT = Parameter("line", int, f"a digital output, {_LINES}", required=True)
+_INPUT = Parameter("line", int, f"a digital input, {_LINES}", required=True)
+_LEVEL = Parameter("high", bool, "the level at which it is stuck", False)
+_ROBOT = (
+    Fault(
+        "protective_stop",
+        Device.ROBOT,
+        "protective_stop",
+        "The controller makes a protective stop.",
+        (Parameter("cause", str, "what the controller tells as its reason", "injected"),),
+        once=True,
+        remedy="Unlock it, 5 s later at the earliest.",
+    ),
+    Fault(
+        "safeguard_stop",
+        Device.ROBOT,
+        "safeguard_stop",
+        "Somebody enters the guarded space; cleared when they have left it.",
+    ),
+    Fault(
+        "emergency_stop",
+        Device.ROBOT,
+        "emergency_stop",
+        "Somebody presses the emergency stop; cleared when the button is released.",
+    ),
+    Fault(
+        "local_control",
+        Device.ROBOT,
+        "local_control",
+        "Somebody switches the teach pendant to local control.",
+    ),
+    Fault(
+        "kill_program",
+        Device.ROBOT,
+        "kill_program",
+        "Somebody stops the robot's program on the pendant.",
+        once=True,
+        remedy="Send the program again.",
+    ),
+    Fault(
+        "drop_connections",
+        Device.ROBOT,
+        "drop_connections",
+        "Every connection to the robot's controller is closed.",
+        (Parameter("reset", bool, "whether by a TCP reset instead of an orderly close", False),),
+        once=True,
+        remedy="Connect again.",
+    ),
+    Fault(
+        "freeze",
+        Device.ROBOT,
+        "freeze",
+        "The robot's controller neither reads nor sends, with all connections open.",
+    ),
+    Fault(
+        "refuse_connections",
+        Device.ROBOT,
+        "refuse_connections",
+        "The robot's controller closes its ports.",
+    ),
+    Fault(
+        "stuck_output",
+        Device.ROBOT,
+        "stuck_output",
+        "A digital output keeps its level whatever the controller does.",
+        (_OUTPUT, _LEVEL),
+    ),
+    Fault(
+        "stuck_input",
+        Device.ROBOT,
+        "stuck_input",
+        "A digital input reads the same level whatever is wired to it.",
+        (_INPUT, _LEVEL),
+    ),
+    Fault(
+        "flipped_output",
+        Device.ROBOT,
+        "flipped_output",
+        "A digital output has the level opposite to what it should.",
+        (_OUTPUT,),
+    ),
+    Fault(
+        "flipped_input",
+        Device.ROBOT,
+        "flipped_input",
+        "A digital input reads the level opposite to what is wired to it.",
+        (_INPUT,),
+    ),
+)
+_COUNT = Parameter("count", int, "how many replies it strikes", 1)
+_CONVEYOR = (
+    Fault("belt_jam", Device.CONVEYOR, "jam", "The belt's motor turns, and its parts stay."),
+    Fault(
+        "belt_stall",
+        Device.CONVEYOR,
+        "stall",
+        "The belt's motor does not turn, and its driver says so.",
+    ),
+    Fault(
+        "sensor_blocked",
+        Device.CONVEYOR,
+        "sensor_blocked",
+        "The part sensor reads the same whatever is there.",
+        (Parameter("reads", bool, "whether it always sees a part, or never does", True),),
+    ),
+    Fault(
+        "board_silent",
+        Device.CONVEYOR,
+        "silent",
+        "The conveyor's board neither hears nor answers.",
+    ),
+    Fault(
+        "board_unplugged",
+        Device.CONVEYOR,
+        "unplugged",
+        "The conveyor's port vanishes; once it is back, the board has been reset.",
+    ),
+    Fault(
+        "board_reset",
+        Device.CONVEYOR,
+        "reset",
+        "The conveyor's board starts anew.",
+        (
+            Parameter("cause", str, "the cause that its banner tells", "brownout"),
+            Parameter("after_m", float, "when a motion has gone this far, in metres; else at once"),
+        ),
+        once=True,
+        remedy="Identify the board again.",
+    ),
+    Fault(
+        "replies_lost",
+        Device.CONVEYOR,
+        "lost_replies",
+        "The next replies of the conveyor's board never arrive, though it acts.",
+        (_COUNT,),
+    ),
+    Fault(
+        "replies_corrupted",
+        Device.CONVEYOR,
+        "corrupted_replies",
+        "One bit of each of the next replies of the conveyor's board is flipped.",
+        (_COUNT,),
+    ),
+    Fault(
+        "replies_in_garbage",
+        Device.CONVEYOR,
+        "garbage",
+        "Random bytes precede every reply of the conveyor's board.",
+        (Parameter("count", int, "how many bytes", 20),),
+    ),
+    Fault(
+        "board_role",
+        Device.CONVEYOR,
+        "wrong_role",
+        "Another board is on the conveyor's port.",
+        (Parameter("role", str, "what it calls itself", "gripper"),),
+    ),
+    Fault(
+        "board_protocol",
+        Device.CONVEYOR,
+        "wrong_protocol",
+        "The conveyor's firmware speaks another version of the protocol.",
+        (Parameter("version", int, "the version, 0 to 255", 2),),
+    ),
+)
 _GRIPPER = (
     Fault(
         "gripper_silent",
@@ -101,7 +265,6 @@ _GRIPPER = (
     ),
 )
 _WORLD = (
-    Fault("belt_jam", Device.WORLD, "jam", "The belt's motor turns, and its parts stay."),
     Fault(
         "belt_empty",
         Device.WORLD,
@@ -115,7 +278,7 @@ _WORLD = (
         Device.WORLD,
         "yaw",
         "The first part on the belt lies turned.",
-        (Parameter("yaw_rad", "how far it is turned, in radians", 0.26),),
+        (Parameter("yaw_rad", float, "how far it is turned, in radians", 0.26),),
     ),
     Fault(
         "part_sticky",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Callable
 
-import structlog
 import zmq
 import zmq.asyncio
 from pydantic import ValidationError
@@ -31,7 +31,7 @@ from cellctl.sim.messages import (
 )
 from cellctl.sim.pace import SimClock
 
-log = structlog.get_logger(__name__)
+_IPC = "ipc://"
 
 
 class InjectionServer:
@@ -54,12 +54,14 @@ class InjectionServer:
         Raises:
             UsageError: the end point is taken or malformed.
         """
+        hint = "Is another emulated cell running? Stop it, or choose another end point."
+        if endpoint.startswith(_IPC) and _is_listened_on(endpoint.removeprefix(_IPC)):
+            raise UsageError(f"emulation.control = {endpoint!r}: is in use.", hint)
         try:
             self._socket.bind(endpoint)
         except zmq.ZMQError as error:
             raise UsageError(
-                f"emulation.control = {endpoint!r}: {error.strerror}.",
-                "Is another emulated cell running? Stop it, or choose another end point.",
+                f"emulation.control = {endpoint!r}: {error.strerror}.", hint
             ) from error
 
     async def serve(self) -> None:
@@ -115,3 +117,13 @@ class InjectionServer:
             case Shutdown():
                 self._shut_down()
         return None
+
+
+def _is_listened_on(path: str) -> bool:
+    """Whether somebody listens on a Unix socket; ZeroMQ would take it away from them."""
+    with socket.socket(socket.AF_UNIX) as probe:
+        try:
+            probe.connect(path)
+        except OSError:
+            return False
+        return True

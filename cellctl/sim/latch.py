@@ -110,7 +110,7 @@ class Latch:
     def truth(self) -> dict[str, object]:
         """The latch as it is, for the record."""
         return {
-            "closed": self.closed,
+            "latched": self.closed,
             "moving": self._travelled_s is not None,
             "status": self.status,
             "faults": sorted(self._faults),

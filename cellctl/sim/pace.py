@@ -42,7 +42,7 @@ class SimClock:
         if excess_s > 0.0:
             self.lost_s += excess_s
             self._due_s -= excess_s
-        slices = []
+        slices: list[float] = []
         while self._due_s > 0.0 and len(slices) < BURST_SLICES:
             slice_s = min(SLICE_S, self._due_s)
             slices.append(slice_s)

@@ -243,10 +243,6 @@ class World:
 
     # ---- mishaps on demand ----
 
-    def jam_belt(self, jammed: bool) -> None:
-        """While jammed, the belt's motor turns and the parts stay."""
-        self._row.jammed = jammed
-
     def turn_next_part(self, yaw_rad: float) -> None:
         """Turn the first part on the belt about the vertical."""
         if self._row.parts:

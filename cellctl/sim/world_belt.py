@@ -38,10 +38,6 @@ class BeltRow:
     def __init__(self, pitch_m: float, rng: random.Random) -> None:
         self.pitch_m = pitch_m
         self.parts: list[BeltPart] = []
-        self.jammed = False
-        """The motor turns, the parts stay."""
-        self.travel_m = 0.0
-        """How far the belt itself has moved, in both directions together."""
         self._rng = rng
 
     def __len__(self) -> int:
@@ -73,9 +69,6 @@ class BeltRow:
             distance_m: how far the belt's surface moves.
             slip: largest share of it that the parts may not follow.
         """
-        self.travel_m += abs(distance_m)
-        if self.jammed:
-            return
         if slip:
             distance_m *= 1.0 - self._rng.uniform(0.0, slip)
         limit_m = 0.0

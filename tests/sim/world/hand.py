@@ -17,11 +17,14 @@ Floats = npt.NDArray[np.float64]
 DOWN = np.diag([1.0, -1.0, -1.0])
 JOINTS = np.zeros(6)
 STEP_M = 0.004
+PARTS = 60
 
 
 def emulated_config() -> CellConfig:
-    """The emulated cell as it is shipped."""
-    return load_config(Path(__file__).parents[3] / "config" / "sim.toml")
+    """The emulated cell as it is shipped, with ``PARTS`` parts."""
+    config = load_config(Path(__file__).parents[3] / "config" / "sim.toml")
+    feeder = config.feeder.model_copy(update={"capacity_parts": PARTS})
+    return config.model_copy(update={"feeder": feeder})
 
 
 class Hand:

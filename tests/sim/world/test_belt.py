@@ -54,14 +54,6 @@ def test_the_belt_takes_parts_back() -> None:
     assert positions(row) == [-0.1, -0.2]
 
 
-def test_a_jammed_belt_turns_under_its_parts() -> None:
-    row = row_of(2)
-    row.jammed = True
-    row.move(0.05, slip=0.0)
-    assert positions(row) == [-0.1, -0.2]
-    assert row.travel_m == pytest.approx(0.05)
-
-
 def test_slip_shortens_each_movement_by_at_most_its_share() -> None:
     row = row_of(1)
     row.move(0.05, slip=0.4)

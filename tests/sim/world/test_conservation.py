@@ -9,9 +9,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from cellctl.sim.world import World
 from cellctl.sim.world_values import Imperfections, Where
 
-from .hand import Hand, emulated_config
+from .hand import PARTS, Hand, emulated_config
 
-PARTS = 60
 share = st.floats(0.0, 0.5)
 
 

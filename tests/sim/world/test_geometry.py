@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from cellctl.sim.plant import Floats
 from cellctl.sim.world_geometry import (
     Box,
     between,
@@ -60,9 +61,9 @@ def test_a_sweep_ends_where_it_should_and_no_step_is_longer_than_asked(
         assert max(steps) <= step_m + 1e-9
 
 
-def corners(box: Box) -> np.ndarray:  # type: ignore[type-arg]
+def corners(box: Box) -> Floats:
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-    return signs * np.array(box.half_m) @ box.pose[:3, :3].T + box.pose[:3, 3]
+    return np.asarray(signs * np.array(box.half_m) @ box.pose[:3, :3].T + box.pose[:3, 3])
 
 
 @given(pose, pose)

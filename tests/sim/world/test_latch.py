@@ -8,6 +8,7 @@ import pytest
 
 from cellctl.sim.latch import TRAVEL_S, Latch, LatchFault
 from cellctl.sim.world import World
+from cellctl.sim.world_values import Where
 
 from .hand import Hand, emulated_config
 
@@ -48,13 +49,14 @@ def test_status_rises_only_when_a_latch_is_complete() -> None:
 
 
 def test_status_falls_as_soon_as_the_latch_is_told_to_open(hand: Hand) -> None:
-    assert hand.latch.status
+    levels = [hand.latch.status]
     hand.latch.command(True)
-    assert not hand.latch.status
+    levels.append(hand.latch.status)
+    assert levels == [True, False]
     wait(hand.latch, TRAVEL_S - STEP_S)
-    assert hand.world.held_part is not None
+    assert hand.world.counts()[Where.GRIPPER] == 1
     wait(hand.latch, STEP_S)
-    assert hand.world.held_part is None
+    assert hand.world.counts()[Where.GRIPPER] == 0
 
 
 def test_a_silent_gripper_moves_all_the_same(hand: Hand) -> None:
@@ -100,4 +102,4 @@ def test_losing_power_while_opening_keeps_the_part(hand: Hand) -> None:
     hand.latch.reboot()
     wait(hand.latch, 1.0)
     assert hand.world.held_part is not None
-    assert hand.latch.truth() == {"closed": True, "moving": False, "status": False, "faults": []}
+    assert hand.latch.truth() == {"latched": True, "moving": False, "status": False, "faults": []}

@@ -13,7 +13,7 @@ from cellctl.sim.world_geometry import rotation
 from cellctl.sim.world_grip import HEIGHT_TOLERANCE_M, LATERAL_TOLERANCE_M
 from cellctl.sim.world_values import Imperfections, Violation, ViolationKind, Where
 
-from .hand import Hand, emulated_config
+from .hand import PARTS, Hand, emulated_config
 
 PITCH_M = 0.1
 
@@ -29,7 +29,7 @@ def test_a_careful_hand_builds_what_it_places_and_nothing_is_held_against_it(han
         hand.place(*cell)
     assert hand.world.violations == []
     assert hand.world.built == {Cell(*cell) for cell in cells}
-    assert hand.world.counts()[Where.BELT] == 60 - len(cells)
+    assert hand.world.counts()[Where.BELT] == PARTS - len(cells)
 
 
 def test_a_part_fits_between_its_neighbours(hand: Hand) -> None:
@@ -240,7 +240,7 @@ def test_a_sticky_part_comes_off_when_it_is_lifted_straight(hand: Hand) -> None:
     hand.world.stick_next_part()
     hand.pick()
     assert hand.world.violations == []
-    assert hand.world.parts_on_belt == 59
+    assert hand.world.parts_on_belt == PARTS - 1
 
 
 def test_a_sticky_part_drags_its_neighbour_when_moved_aside_too_soon(hand: Hand) -> None:
@@ -287,7 +287,7 @@ def test_people_move_parts_too_and_none_is_lost(hand: Hand) -> None:
     hand.place(1, 1, 0)
     assert hand.world.clear_workspace() == 1
     assert hand.world.refill_belt() == 3
-    assert hand.world.counts()[Where.BELT] == 60
+    assert hand.world.counts()[Where.BELT] == PARTS
     assert hand.world.refill_belt() == 0
 
 
