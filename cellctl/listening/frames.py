@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from cellctl.listening.lexicon import LEXICON
 
-_VERB = (
-    r"(?:design|create|assemble|construct|print|fabricate|produce|craft|build|make|give|get|bring)"
-)
+_VERB = f"(?:{'|'.join(sorted(LEXICON.verbs))})"
+_GERUND = f"(?:{'|'.join(sorted(LEXICON.gerunds))})"
 _FOR_ME = r"(?: for (?:me|us))?(?: (?:me|us))?"
 _VERBS = rf"{_VERB}(?: and {_VERB})*{_FOR_ME}"
 _WHO = r"(?:i|we|you|they|he|she|my \w+|our \w+|the \w+)"
@@ -22,8 +21,7 @@ _FRAMES = tuple(
         rf"(?:i'd|we'd) (?:like|love)(?: you)?(?: to (?:have|{_VERBS}))?",
         rf"(?:can|could|would|will) you {_VERBS}",
         rf"(?:can|could|may) (?:i|we) (?:have|get)(?: you to {_VERBS})?",
-        rf"would you mind (?:{_VERB[3:-1].replace('|', 'ing|')}ing|making|creating|giving|producing)"
-        rf"{_FOR_ME}",
+        rf"would you mind {_GERUND}{_FOR_ME}",
         r"(?:let me|let us|let's) (?:have|get)",
         rf"(?:let me|let us|let's) {_VERBS}",
         r"(?:i am|i'm|we are|we're) (?:looking for|after)",

@@ -43,6 +43,7 @@ class Lexicon:
     greetings: frozenset[str]
     determiners: frozenset[str]
     verbs: frozenset[str]
+    gerunds: frozenset[str]
     enders: frozenset[str]
     finite: frozenset[str]
     comparatives: frozenset[str]

@@ -21,6 +21,7 @@ from cellctl.listening.snapping import snap
 DEFAULT_PITCH_M = 0.10
 _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
+_DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
 
 
@@ -69,9 +70,11 @@ def read_request(text: str, pitch_m: float = DEFAULT_PITCH_M) -> Request:
 
 
 def tokens(text: str) -> list[str]:
-    """Lower-case words and figures; hyphens part words, a unit is parted from its figure."""
+    """Lower-case words and figures, without stutters; hyphens part words, figures and units."""
     plain = text.lower().replace("’", "'").replace("½", " half")  # noqa: RUF001
-    return _TOKEN.findall(_SUFFIXED_FIGURE.sub(r"\1 \2", plain))
+    plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
+    words = _TOKEN.findall(_SUFFIXED_FIGURE.sub(r"\1 \2", plain))
+    return [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
 
 
 def _design(heard: _Heard, frame: Frame, pitch_m: float) -> Request:

@@ -1,4 +1,4 @@
-"""Put recogniser slips right by their sound: ``two tears`` -> ``two tiers``, ``stole`` -> ``stool``.
+"""Put recogniser slips right by sound: ``two tears`` -> ``two tiers``, ``stole`` -> ``stool``.
 
 Only where the sentence's build says what kind of word must stand there, and only when the word that
 stands there makes no sense in that place. Every correction is kept, so that it can be shown.
@@ -12,8 +12,12 @@ from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 
 _NUMBER_SOUNDS = {"to": "two", "too": "two", "for": "four", "fore": "four", "won": "one"}
-_OWNER_OF_PART = {"steps": frozenset({"ladder", "staircase", "stairs", "step"})}
-"""Parts that only these have: "a letter with five steps" was a ladder."""
+_OWNERS = {
+    "steps": ("ladder", "staircase", "stairs"),
+    "tiers": ("shelf", "bookshelf", "bookcase"),
+    "legs": ("stool", "table", "chair", "bench"),
+}
+"""What has such parts: "a letter with five steps" was a ladder, a "self with two tiers" a shelf."""
 _OPENERS = {"kneed": "need", "knead": "need", "bild": "build", "billed": "build"}
 _SPLIT_WORDS = {
     ("back", "rest"): "backrest",
@@ -63,7 +67,7 @@ def sound_of(word: str) -> str:
 
 
 _FAMILY_SOUNDS = {sound_of(noun): noun for noun in sorted(LEXICON.families) if len(noun) > 3}
-_VOICED = str.maketrans("dgbzj", "tkpsC")
+_VOICED = str.maketrans("dgbXjC", "tkpsss")
 
 
 def unvoiced_sound_of(word: str) -> str:
@@ -71,6 +75,7 @@ def unvoiced_sound_of(word: str) -> str:
     return sound_of(word).translate(_VOICED)
 
 
+_NEVER_SNAPPED = LEXICON.enders | LEXICON.fillers | LEXICON.of_nouns
 _COUNTED_PARTS = ("leg", "tier", "step", "drawer")
 _PART_PLURALS = {unvoiced_sound_of(f"{part}s"): f"{part}s" for part in _COUNTED_PARTS}
 _PART_SINGULARS = {unvoiced_sound_of(part): part for part in _COUNTED_PARTS}
@@ -127,7 +132,7 @@ def _correct_parts(snapped: Snapped) -> None:
             continue
         noun = words[number[1]]
         part = _part(noun, plural=number[0] != 1.0)
-        if part is not None and part != noun and singular(noun) not in LEXICON.parts:
+        if part is not None and part != noun and not LEXICON.is_physical(singular(noun)):
             snapped.replace(number[1], number[1] + 1, part)
 
 
@@ -150,7 +155,7 @@ def _correct_heads(snapped: Snapped) -> None:
             continue
         better = _owner(words[index + 1 :], word)
         known = LEXICON.is_physical(singular(word)) is not None
-        if better is None and not known and word not in LEXICON.enders | LEXICON.fillers:
+        if better is None and not known and word not in _NEVER_SNAPPED:
             better = _FAMILY_SOUNDS.get(sound_of(word))
         if better is not None and better != word:
             snapped.replace(index, index + 1, better)
@@ -159,10 +164,10 @@ def _correct_heads(snapped: Snapped) -> None:
 def _owner(rest: list[str], word: str) -> str | None:
     """What sounds like ``word`` and has the parts that ``rest`` gives it."""
     for noun in rest[:3]:
-        owners = _OWNER_OF_PART.get(LEXICON.parts.get(singular(noun), ""), frozenset())
-        if owners and word not in owners:
+        owners = _OWNERS.get(LEXICON.parts.get(singular(noun), ""), ())
+        if owners and (word not in LEXICON.families or word == "letter"):
             sound = unvoiced_sound_of(word)
-            return next((o for o in sorted(owners) if unvoiced_sound_of(o) == sound), None)
+            return next((o for o in owners if unvoiced_sound_of(o) == sound), None)
     return None
 
 

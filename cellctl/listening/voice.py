@@ -6,9 +6,15 @@ import importlib.util
 import shutil
 import subprocess
 import tempfile
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cellctl.errors import HearingError
+from cellctl.listening.privacy import keep_libraries_offline
+
+if TYPE_CHECKING:
+    from hibari import Hibari
 
 _NOISE_SEED = 1
 """Fixes the voice's noise component: the same text gives the same file."""
@@ -62,9 +68,16 @@ def speak_to_wav(text: str, path: Path, language: str = "en") -> str:
 
 
 def _speak_hibari(text: str, path: Path) -> None:
+    _hibari().save(text, str(path), seed=_NOISE_SEED)
+
+
+@cache
+def _hibari() -> Hibari:
+    """The voice, loaded once: that takes a second, and speaking then a few milliseconds."""
+    keep_libraries_offline()
     from hibari import Hibari  # noqa: PLC0415 - loads onnxruntime, only where it is used
 
-    Hibari().save(text, str(path), seed=_NOISE_SEED)
+    return Hibari()
 
 
 def _speak_espeak(program: str, voice: str, text: str, path: Path) -> None:

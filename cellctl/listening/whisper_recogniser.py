@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cellctl.errors import HearingError
+from cellctl.listening.privacy import keep_libraries_offline
 from cellctl.listening.recogniser import Samples, Transcript
 
 if TYPE_CHECKING:
@@ -68,12 +69,16 @@ class WhisperRecogniser:
 
 
 def _load(folder: Path) -> WhisperModel:
+    keep_libraries_offline()
     try:
         from faster_whisper import WhisperModel  # noqa: PLC0415 - heavy, only where it is used
+        from tqdm import tqdm  # noqa: PLC0415 - comes with faster-whisper
     except ImportError as error:
         raise HearingError(
             "faster-whisper is not installed.", "Install it with pip install 'cellctl[speech]'."
         ) from error
+    # faster-whisper makes a progress bar for each utterance; no thread shall watch over it.
+    tqdm.monitor_interval = 0
     try:
         return WhisperModel(
             str(folder),
