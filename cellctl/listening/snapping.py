@@ -77,8 +77,7 @@ def unvoiced_sound_of(word: str) -> str:
 
 _NEVER_SNAPPED = LEXICON.enders | LEXICON.fillers | LEXICON.of_nouns
 _COUNTED_PARTS = ("leg", "tier", "step", "drawer")
-_PART_PLURALS = {unvoiced_sound_of(f"{part}s"): f"{part}s" for part in _COUNTED_PARTS}
-_PART_SINGULARS = {unvoiced_sound_of(part): part for part in _COUNTED_PARTS}
+_PART_PLURALS = tuple(f"{part}s" for part in _COUNTED_PARTS)
 
 
 def snap(words: list[str]) -> Snapped:
@@ -140,7 +139,12 @@ def _part(word: str, *, plural: bool) -> str | None:
     """The part that a word is or sounds like; None for neither."""
     if singular(word) in LEXICON.parts:
         return word
-    return (_PART_PLURALS if plural else _PART_SINGULARS).get(unvoiced_sound_of(word))
+    parts = _PART_PLURALS if plural else _COUNTED_PARTS
+    # "tears" is nearer to tiers than to drawers, so the finer key is tried first.
+    for key in (sound_of, unvoiced_sound_of):
+        if matches := [part for part in parts if key(part) == key(word)]:
+            return matches[0]
+    return None
 
 
 def _correct_heads(snapped: Snapped) -> None:
