@@ -1,39 +1,42 @@
 """Forward and inverse kinematics of UR10 and UR10e with their nominal Denavit-Hartenberg lengths.
 
-The closed-form solver of ``ur_analytic_ik`` does the work. It finds nothing where the elbow is
-straight (the arm's home pose is one such place), so a damped least-squares search stands behind it.
+Closed form: shoulder, wrist and elbow leave two choices each, which makes up to eight solutions. A
+straight elbow (the home pose that a UR leaves the factory with) is solved too.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from operator import le, sub
 from typing import Literal
 
 import numpy as np
-import ur_analytic_ik
 
 from cellctl.sim.plant import Floats
 from cellctl.sim.ur.options import Six
 
 # Universal Robots, "DH Parameters for calculations of kinematics and dynamics" (metres).
-_A_M: dict[str, Six] = {
-    "ur10": (0.0, -0.612, -0.5723, 0.0, 0.0, 0.0),
-    "ur10e": (0.0, -0.6127, -0.57155, 0.0, 0.0, 0.0),
+_A_M = {"ur10": (-0.612, -0.5723), "ur10e": (-0.6127, -0.57155)}
+"""a2 and a3; the others are 0."""
+_D_M = {
+    "ur10": (0.1273, 0.163941, 0.1157, 0.0922),
+    "ur10e": (0.1807, 0.17415, 0.11985, 0.11655),
 }
-_D_M: dict[str, Six] = {
-    "ur10": (0.1273, 0.0, 0.0, 0.163941, 0.1157, 0.0922),
-    "ur10e": (0.1807, 0.0, 0.0, 0.17415, 0.11985, 0.11655),
-}
-_ALPHA_RAD = (math.pi / 2, 0.0, 0.0, math.pi / 2, -math.pi / 2, 0.0)
+"""d1, d4, d5 and d6; d2 and d3 are 0."""
 
-NEAR_RAD = 0.2
-"""A solution this close to the previous joints is of the same branch, and none nearer exists."""
-_SEARCH_STEPS = 60
-_SEARCH_DAMPING = 1e-4
-_POSITION_TOLERANCE_M = 1e-6
-_ROTATION_TOLERANCE_RAD = 1e-6
+_NEAR_RAD = 0.03
+"""No joint moves further in one step; a solution this close is taken without a look at others."""
+_REACH_TOLERANCE_M = 1e-6
+_COSINE_TOLERANCE = 1e-5
+"""A cosine of the elbow so far beyond 1 is a stretched arm: 3 micrometres of reach."""
+_SINGULAR_SINE = 1e-7
+"""With a wrist this straight only the sum of the first and last axes' turns matters."""
+
+_Choice = tuple[int, int, int]
+_CHOICES: tuple[_Choice, ...] = tuple(
+    (shoulder, wrist, elbow) for shoulder in (0, 1) for wrist in (1, -1) for elbow in (1, -1)
+)
 
 
 class Kinematics:
@@ -45,15 +48,36 @@ class Kinematics:
     """
 
     def __init__(self, model: Literal["ur10", "ur10e"], position_limit_rad: Six) -> None:
-        self._solver = getattr(ur_analytic_ik, model)
-        self._a_m = _A_M[model]
-        self._d_m = _D_M[model]
+        self._a2, self._a3 = _A_M[model]
+        self._d1, self._d4, self._d5, self._d6 = _D_M[model]
         self._limit_rad = position_limit_rad
+        self._last_choice = _CHOICES[0]
 
     def flange(self, joints_rad: Sequence[float]) -> Floats:
         """4x4 pose of the flange in the base frame."""
-        pose: Floats = self._solver.forward_kinematics(*joints_rad)
-        return pose
+        q1, q2, q3, q4, q5, q6 = joints_rad
+        c1, s1, c5, s5 = math.cos(q1), math.sin(q1), math.cos(q5), math.sin(q5)
+        c6, s6 = math.cos(q6), math.sin(q6)
+        c234, s234 = math.cos(q2 + q3 + q4), math.sin(q2 + q3 + q4)
+        # Axes 2, 3 and 4 are parallel to (s1, -c1, 0): the arm's plane is spanned by (c1, s1, 0)
+        # and the vertical. Axis 5 lies in that plane, axis 6 is the flange's z.
+        reach = self._a2 * math.cos(q2) + self._a3 * math.cos(q2 + q3) + self._d5 * s234
+        height = self._a2 * math.sin(q2) + self._a3 * math.sin(q2 + q3) - self._d5 * c234
+        zx = -s5 * c234 * c1 + c5 * s1
+        zy = -s5 * c234 * s1 - c5 * c1
+        zz = -s5 * s234
+        # x5 and y5, the wrist before the last joint has turned it.
+        ux, uy, uz = c5 * c234 * c1 + s5 * s1, c5 * c234 * s1 - s5 * c1, c5 * s234
+        vx, vy, vz = -s234 * c1, -s234 * s1, c234
+        d4, d6 = self._d4, self._d6
+        return np.array(
+            [
+                [ux * c6 + vx * s6, vx * c6 - ux * s6, zx, reach * c1 + d4 * s1 + d6 * zx],
+                [uy * c6 + vy * s6, vy * c6 - uy * s6, zy, reach * s1 - d4 * c1 + d6 * zy],
+                [uz * c6 + vz * s6, vz * c6 - uz * s6, zz, self._d1 + height + d6 * zz],
+                [0.0, 0.0, 0.0, 1.0],
+            ]
+        )
 
     def joints(self, flange: Floats, near_rad: Six) -> Six | None:
         """The joint positions nearest to ``near_rad`` that put the flange at a pose.
@@ -61,64 +85,58 @@ class Kinematics:
         Returns:
             None when the pose is out of reach or only reachable beyond a joint's limit.
         """
-        for solution in self._solver.inverse_kinematics_closest(flange, *near_rad):
-            q0, q1, q2, q3, q4, q5 = solution.tolist()
-            same = (q0, q1, q2, q3, q4, q5)
-            if joint_distance(same, near_rad) < NEAR_RAD and self.within_limits(same):
-                return same
+        rows = flange.tolist()
+        same = self._solve(rows, near_rad, self._last_choice)
+        if same is not None and joint_distance(same, near_rad) < _NEAR_RAD:
+            return same
         best: Six | None = None
-        for solution in self._solver.inverse_kinematics(flange):
-            candidate = _unwrap(solution.tolist(), near_rad, self._limit_rad)
-            if candidate is not None and (
-                best is None or joint_distance(candidate, near_rad) < joint_distance(best, near_rad)
-            ):
+        for choice, candidate in self._solutions(rows, near_rad):
+            if best is None or joint_distance(candidate, near_rad) < joint_distance(best, near_rad):
                 best = candidate
-        return best if best is not None else self._search(flange, near_rad)
+                self._last_choice = choice
+        return best
 
     def within_limits(self, joints_rad: Six) -> bool:
         """Whether every joint is within its position limit."""
         return all(map(le, map(abs, joints_rad), self._limit_rad))
 
-    def _search(self, target: Floats, start_rad: Six) -> Six | None:
-        """Damped least squares: slow, for the poses that have no closed-form solution."""
-        q = np.array(start_rad)
-        for _ in range(_SEARCH_STEPS):
-            frames = self._frames(q)
-            reached = frames[-1]
-            offset = target[:3, 3] - reached[:3, 3]
-            turn = np.array(rotation_vector(target[:3, :3] @ reached[:3, :3].T))
-            if (
-                np.linalg.norm(offset) < _POSITION_TOLERANCE_M
-                and np.linalg.norm(turn) < _ROTATION_TOLERANCE_RAD
-            ):
-                return _unwrap(q.tolist(), start_rad, self._limit_rad)
-            jacobian = np.empty((6, 6))
-            for i, frame in enumerate(frames[:-1]):
-                axis = frame[:3, 2]
-                jacobian[:3, i] = np.cross(axis, reached[:3, 3] - frame[:3, 3])
-                jacobian[3:, i] = axis
-            error = np.concatenate((offset, turn))
-            damping = _SEARCH_DAMPING * max(1e-3, float(error @ error))
-            square = jacobian @ jacobian.T + damping * np.eye(6)
-            step = jacobian.T @ np.linalg.solve(square, error)
-            q = q + step * min(1.0, 0.5 / max(float(np.abs(step).max()), 1e-12))
-        return None
+    def _solutions(self, rows: list[list[float]], near_rad: Six) -> Iterator[tuple[_Choice, Six]]:
+        for choice in _CHOICES:
+            solution = self._solve(rows, near_rad, choice)
+            if solution is not None:
+                yield choice, solution
 
-    def _frames(self, q: Floats) -> list[Floats]:
-        """Base frame and the frame after each joint."""
-        frames: list[Floats] = [np.eye(4)]
-        for theta, a, d, alpha in zip(q, self._a_m, self._d_m, _ALPHA_RAD, strict=True):
-            ct, st, ca, sa = math.cos(theta), math.sin(theta), math.cos(alpha), math.sin(alpha)
-            link = np.array(
-                [
-                    [ct, -st * ca, st * sa, a * ct],
-                    [st, ct * ca, -ct * sa, a * st],
-                    [0.0, sa, ca, d],
-                    [0.0, 0.0, 0.0, 1.0],
-                ]
-            )
-            frames.append(frames[-1] @ link)
-        return frames
+    def _solve(self, rows: list[list[float]], near_rad: Six, choice: _Choice) -> Six | None:
+        """One of the eight solutions, each joint turned to be nearest to ``near_rad``."""
+        (xx, yx, zx, px), (xy, yy, zy, py), (xz, yz, zz, pz) = rows[:3]
+        shoulder, wrist, elbow = choice
+        # The wrist's centre keeps the distance d4 from the plane through axis 1.
+        wx, wy, wz = px - self._d6 * zx, py - self._d6 * zy, pz - self._d6 * zz
+        away = math.hypot(wx, wy)
+        if not away >= self._d4 - _REACH_TOLERANCE_M:
+            return None
+        lean = math.asin(min(1.0, self._d4 / away))
+        q1 = math.atan2(wy, wx) + (math.pi - lean if shoulder else lean)
+        c1, s1 = math.cos(q1), math.sin(q1)
+        q5 = wrist * math.acos(max(-1.0, min(1.0, zx * s1 - zy * c1)))
+        s5 = math.sin(q5)
+        q6 = near_rad[5]
+        if abs(s5) > _SINGULAR_SINE:
+            q6 = math.atan2((yy * c1 - yx * s1) / s5, (xx * s1 - xy * c1) / s5)
+        c6, s6 = math.cos(q6), math.sin(q6)
+        # Direction of axis 5, in and out of the base's horizontal.
+        along = -((xx * s6 + yx * c6) * c1 + (xy * s6 + yy * c6) * s1)
+        up = -(xz * s6 + yz * c6)
+        q234 = math.atan2(along, -up)
+        reach = wx * c1 + wy * s1 - self._d5 * along
+        height = wz - self._d5 * up - self._d1
+        a2, a3 = self._a2, self._a3
+        cosine = (reach * reach + height * height - a2 * a2 - a3 * a3) / (2.0 * a2 * a3)
+        if not abs(cosine) <= 1.0 + _COSINE_TOLERANCE:
+            return None
+        q3 = elbow * math.acos(max(-1.0, min(1.0, cosine)))
+        q2 = math.atan2(height, reach) - math.atan2(a3 * math.sin(q3), a2 + a3 * math.cos(q3))
+        return _unwrap((q1, q2, q3, q234 - q2 - q3, q5, q6), near_rad, self._limit_rad)
 
 
 def joint_distance(one: Six, other: Six) -> float:
@@ -126,19 +144,18 @@ def joint_distance(one: Six, other: Six) -> float:
     return float(max(map(abs, map(sub, one, other))))
 
 
-def _unwrap(joints: Sequence[float], near_rad: Six, limit_rad: Six) -> Six | None:
+def _unwrap(joints: Six, near_rad: Six, limit_rad: Six) -> Six | None:
     """Add whole turns so that each joint is nearest to ``near_rad`` within its limit."""
-    turn = 2.0 * math.pi
     unwrapped = []
     for value, near, limit in zip(joints, near_rad, limit_rad, strict=True):
-        nearest = value + turn * round((near - value) / turn)
-        for candidate in (nearest, nearest - turn, nearest + turn):
-            if abs(candidate) <= limit:
-                unwrapped.append(candidate)
-                break
-        else:
-            return None
-    return (*unwrapped,)  # type: ignore[return-value]
+        nearest = value + math.tau * round((near - value) / math.tau)
+        if abs(nearest) > limit:
+            nearest -= math.copysign(math.tau, nearest)
+            if abs(nearest) > limit:
+                return None
+        unwrapped.append(nearest)
+    q1, q2, q3, q4, q5, q6 = unwrapped
+    return (q1, q2, q3, q4, q5, q6)
 
 
 def rotation_matrix(vector: Sequence[float]) -> Floats:

@@ -18,7 +18,6 @@ import numpy as np
 
 from cellctl.sim.plant import Floats
 from cellctl.sim.ur.kinematics import (
-    NEAR_RAD,
     Kinematics,
     inverse_matrix,
     joint_distance,
@@ -32,6 +31,8 @@ from cellctl.sim.ur.profile import SpeedProfile, Stretch
 
 _TINY = 1e-9
 _BISECTIONS = 24
+_JUMP_RAD = 0.2
+"""Two neighbouring points of a line whose joints differ by more belong to different arm shapes."""
 
 
 class MotionError(Exception):
@@ -209,7 +210,7 @@ class LineTrajectory(Trajectory):
         joints_rad = self._kinematics.joints(target @ self._tcp_inverse, near_rad)
         if joints_rad is None:
             raise MotionError("a point of the line is out of reach")
-        if joint_distance(joints_rad, near_rad) > NEAR_RAD:
+        if joint_distance(joints_rad, near_rad) > _JUMP_RAD:
             raise MotionError("a singularity or a joint's limit is in the way of the line")
         return joints_rad
 
