@@ -78,7 +78,7 @@ class EmulatedCell:
         await self.robot.stop()
 
     def advance(self, dt_s: float) -> None:
-        """Let cell time pass, at most 8 ms at once."""
+        """Let cell time pass."""
         self.world.advance(dt_s)
         self.robot.advance(dt_s)
         self.latch.advance(dt_s)

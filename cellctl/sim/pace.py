@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-SLICE_S = 0.008
-"""Longest slice of cell time that the emulators are advanced by at once."""
+SLICE_WALL_S = 0.002
+"""Longest slice that the emulators are advanced by at once (wall time): an e-Series controller's
+cycle, so that it streams at its full rate after a late wake-up too."""
 BURST_SLICES = 250
 """So many slices are handed out before sockets get their turn again."""
 STALL_S = 1.0
@@ -26,6 +27,7 @@ class SimClock:
             raise ValueError(f"clock rate must be greater than 0, not {rate}")
         self.rate = rate
         self.now_s = 0.0
+        self.slice_s = SLICE_WALL_S * rate
         self.lost_s = 0.0
         """Cell time left out, because this process was stalled or too slow."""
         self._wall_s = wall_s
@@ -44,7 +46,7 @@ class SimClock:
             self._due_s -= excess_s
         slices: list[float] = []
         while self._due_s > 0.0 and len(slices) < BURST_SLICES:
-            slice_s = min(SLICE_S, self._due_s)
+            slice_s = min(self.slice_s, self._due_s)
             slices.append(slice_s)
             self._due_s -= slice_s
             self.now_s += slice_s

@@ -15,13 +15,10 @@ from cellctl.config import CellConfig
 from cellctl.errors import UsageError
 from cellctl.sim.cell import EmulatedCell
 from cellctl.sim.injection import InjectionServer
-from cellctl.sim.pace import SimClock
+from cellctl.sim.pace import SLICE_WALL_S, SimClock
 from cellctl.sim.world_values import Imperfections
 
 log = structlog.get_logger(__name__)
-
-STEP_WALL_S = 0.002
-"""How often the emulators are advanced (wall time)."""
 
 
 async def run_cell(
@@ -99,7 +96,7 @@ async def _drive(cell: EmulatedCell, clock: SimClock) -> None:
         if clock.lost_s > lost_s:
             log.warning("the emulation cannot keep up", lost_s=round(clock.lost_s, 3))
             lost_s = clock.lost_s
-        await asyncio.sleep(0.0 if clock.behind else STEP_WALL_S)
+        await asyncio.sleep(0.0 if clock.behind else SLICE_WALL_S)
 
 
 def _end_on_eof(ended: asyncio.Event) -> None:

@@ -85,6 +85,9 @@ class Contacts:
         self._both = _body("both", -height_m, pitch_m, max(width_m, pitch_m))
         self._from_feeder = from_cell @ pose_matrix(config.feeder.frame)
         self._still = [(name, box, *box.bounds()) for name, box in _furniture(config, from_cell)]
+        waiting = self._from_feeder @ np.array([0.0, 0.0, -pitch_m / 2, 1.0])
+        self._row_line = (waiting[:3].tolist(), self._from_feeder[:3, 0].tolist())
+        """Centre of the part that waits at the stop, and the direction of the feed."""
         self._row_zone = _row_zone(config, self._from_feeder).bounds()
 
     def span(self, tcp: Floats, holding: bool) -> Span:
@@ -151,8 +154,19 @@ class Contacts:
         self, body: str, low: Triple, high: Triple, row: BeltRow
     ) -> list[tuple[Contact, Box]]:
         half_m = self._pitch_m / 2
+        # Within this of a part's centre is all of it, however it is turned.
+        reach_m = 1.8 * half_m
+        (x, y, z), (dx, dy, dz) = self._row_line
         near = []
         for item in row.parts:
+            along_m = item.position_m
+            cx, cy, cz = x + dx * along_m, y + dy * along_m, z + dz * along_m
+            if not (
+                low[0] - reach_m < cx < high[0] + reach_m
+                and low[1] - reach_m < cy < high[1] + reach_m
+                and low[2] - reach_m < cz < high[2] + reach_m
+            ):
+                continue
             pose = np.eye(4)
             pose[:3, :3] = rotation(np.array([0.0, 0.0, item.yaw_rad]))
             pose[:3, 3] = [item.position_m, 0.0, -half_m]
