@@ -160,6 +160,8 @@ class GripperSection(Section):
     """Standard digital input; high while a completed latch is confirmed."""
     travel_timeout_s: Positive
     """For the latch to move and say so (cell time)."""
+    release_s: Positive = 0.5
+    """How long the latch takes to open, which no line tells (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1
     """How often a silent gripper or a missed pick is tried again before it is a fault."""
 

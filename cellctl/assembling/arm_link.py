@@ -344,7 +344,8 @@ class Link:
 
     def brake(self) -> None:
         """Begin to stop on the line; nothing where no program runs, as then nothing moves."""
-        if self.sample.runtime_state == PLAYING:
+        # Not the last round's state: a path's upload stops the program for a moment.
+        if self._receiver.refresh().runtime_state == PLAYING:
             self._control.stopL(STOP_DECELERATION_M_S2, True)
 
     def set_output(self, line: int, high: bool) -> Generator[None, None, None]:

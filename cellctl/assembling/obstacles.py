@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,8 @@ Flags = npt.NDArray[np.bool_]
 TOUCH_M = 0.002
 """Boxes that overlap by less than this only touch: parts lie face to face."""
 
+_TURNING = 1e-9
+"""Rotation matrices that differ by more than this belong to a movement that turns."""
 _FAR_M = 3.0
 """Beyond the arm's reach in any direction."""
 _COLUMN_M = (0.24, 0.24, 0.30)
@@ -43,10 +46,10 @@ class Body:
     low: Vector
     high: Vector
 
+    @cached_property
     def corners(self) -> Floats:
-        """The eight corners in the TCP frame, as 8x4 homogeneous rows."""
-        edges = zip(self.low, self.high, strict=True)
-        return np.array([[*corner, 1.0] for corner in itertools.product(*edges)])
+        """The eight corners in the TCP frame, as rows."""
+        return np.array(list(itertools.product(*zip(self.low, self.high, strict=True))))
 
 
 @dataclass(frozen=True)
@@ -79,14 +82,12 @@ class Obstacles:
         Returns:
             n booleans.
         """
-        turning = not np.allclose(start[:3, :3], end[:3, :3], atol=1e-9)
-        fractions = np.linspace(0.0, 1.0, 5) if turning else np.array([0.0])
-        corners = body.corners().T
-        reach = []
-        for fraction in fractions:
-            pose = self.frame_from_base @ interpolate(start, end, float(fraction))
-            reach.append((pose @ corners)[:3].T - pose[:3, 3])
-        extent = np.concatenate(reach)
+        turning = float(np.abs(start[:3, :3] - end[:3, :3]).max()) > _TURNING
+        poses = [interpolate(start, end, i / 4) for i in range(5)] if turning else [start]
+        corners = body.corners.T
+        extent = np.concatenate(
+            [((self.frame_from_base @ pose)[:3, :3] @ corners).T for pose in poses]
+        )
         grown_low = self.low - extent.max(axis=0) - margin_m + TOUCH_M
         grown_high = self.high - extent.min(axis=0) + margin_m - TOUCH_M
         origin = (self.frame_from_base @ start)[:3, 3]

@@ -42,6 +42,7 @@ _JOINT_SPEED_SHARE = 0.8
 """How much of the joints' speed a route may use; the rest is for accelerating and blends."""
 _SAME_PLACE_M = 0.002
 _JOINT_STEP_RAD = math.radians(3.0)
+_SLOW_BLEND_M = 0.002
 _BLEND_SHARE = 0.45
 """Largest share of a leg that one blend may use, so that two never overlap."""
 
@@ -258,9 +259,10 @@ class RoutePlanner:
             return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
         square = self._waypoints(corners)
         legs = self._legs(start, [waypoint.pose for waypoint in square])
+        slowed = _slowed(square, legs)
         refused: PlanError | None = None
         for blend_m in (self._robot.blend_radius_m, self._robot.clearance_m, 0.0):
-            path = _blended(start.tcp_pose, _slowed(square, legs), blend_m)
+            path = _blended(start.tcp_pose, slowed, blend_m, self._robot.approach_speed_m_s)
             try:
                 self._check_sweeps(start.tcp_pose, path, groups, bodies)
             except PlanError as error:
@@ -426,14 +428,18 @@ def _slowed(path: Sequence[Waypoint], legs: Sequence[_Leg]) -> tuple[Waypoint, .
     )
 
 
-def _blended(start: Pose, path: Sequence[Waypoint], blend_m: float) -> tuple[Waypoint, ...]:
+def _blended(
+    start: Pose, path: Sequence[Waypoint], blend_m: float, slow_m_s: float
+) -> tuple[Waypoint, ...]:
     """The same path with its corners rounded, none so wide that it meets the next."""
     poses = [start, *(waypoint.pose for waypoint in path)]
     lengths_m = [math.dist(a[:3], b[:3]) for a, b in itertools.pairwise(poses)]
     blended = []
     for i, waypoint in enumerate(path):
         room_m = _BLEND_SHARE * min(lengths_m[i : i + 2]) if i + 1 < len(path) else 0.0
-        radius_m = round(min(blend_m, room_m), 6)
+        # A blend is as slow as the slower of its legs, so it is kept short beside a slow one.
+        slow = i + 1 < len(path) and min(w.speed_m_s for w in path[i : i + 2]) <= slow_m_s
+        radius_m = round(min(blend_m, room_m, _SLOW_BLEND_M if slow else math.inf), 6)
         blended.append(waypoint.model_copy(update={"blend_radius_m": radius_m}))
     return tuple(blended)
 

@@ -2,9 +2,9 @@
 
 Speed along the path is as high as each stretch allows, changes no faster than its acceleration, and
 is zero at the ends and at corners without a blend. A blend of radius r leaves one leg at r before
-the corner and joins the next at r after it, on an arc; the arc's own radius and a bound on the
-centripetal acceleration limit the speed on it. UR does not publish its blends; this is the shape
-that its documents draw.
+the corner and joins the next at r after it, on an arc, as fast as both legs allow; the arc's own
+radius and a bound on the centripetal acceleration limit the speed on it. UR does not publish its
+blends; this is the shape that its documents draw.
 """
 
 from __future__ import annotations
@@ -74,25 +74,26 @@ def blend_chord(before: Pose, corner: Waypoint, after: Pose) -> tuple[Pose, Pose
 
 def _stretches(start: Pose, path: Sequence[Waypoint]) -> list[_Stretch]:
     stretches = []
-    begun_m = 0.0
-    """How much of the leg the blend before it has used up."""
+    begun_m = 0.0  # how much of the leg the blend before it has used up
     before = start
     for i, waypoint in enumerate(path):
-        last = i + 1 == len(path)
-        blend_m = 0.0 if last else waypoint.blend_radius_m
-        turn = 0.0 if last else turn_rad(before, waypoint.pose, path[i + 1].pose)
+        onward = path[i + 1] if i + 1 < len(path) else None
+        blend_m = 0.0 if onward is None else waypoint.blend_radius_m
+        turn = 0.0 if onward is None else turn_rad(before, waypoint.pose, onward.pose)
         if turn > _REVERSAL_RAD:
             blend_m = 0.0
-        used_m = 0.0 if turn < _STRAIGHT_RAD else blend_m
-        length_m = max(0.0, leg_length_m(before, waypoint.pose) - begun_m - used_m)
-        stops = blend_m == 0.0
-        limits = (waypoint.speed_m_s, waypoint.acceleration_m_s2)
-        stretches.append(_Stretch(length_m, *limits, stops))
-        if used_m > 0.0:
-            radius_m = used_m / math.tan(turn / 2.0)
-            corner_m_s = min(limits[0], math.sqrt(BLEND_ACCELERATION_M_S2 * radius_m))
-            stretches.append(_Stretch(radius_m * turn, corner_m_s, limits[1], stops=False))
-        begun_m = used_m
+        length_m = max(0.0, leg_length_m(before, waypoint.pose) - begun_m - blend_m)
+        speed_m_s, a = waypoint.speed_m_s, waypoint.acceleration_m_s2
+        stretches.append(_Stretch(length_m, speed_m_s, a, stops=blend_m == 0.0))
+        if onward is not None and blend_m > 0.0:
+            corner_m_s = min(speed_m_s, onward.speed_m_s)
+            around_m = 2.0 * blend_m
+            if turn > _STRAIGHT_RAD:
+                radius_m = blend_m / math.tan(turn / 2.0)
+                corner_m_s = min(corner_m_s, math.sqrt(BLEND_ACCELERATION_M_S2 * radius_m))
+                around_m = radius_m * turn
+            stretches.append(_Stretch(around_m, corner_m_s, a, stops=False))
+        begun_m = blend_m
         before = waypoint.pose
     return stretches
 

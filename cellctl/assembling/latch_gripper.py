@@ -1,0 +1,79 @@
+"""The latch gripper on two digital lines of the robot's controller.
+
+The command line is high to unlatch and low to latch, so that a broken wire, a lost link and an
+emergency stop keep the voxel. The status line is high only while a completed latch is confirmed,
+falls as soon as the command changes, and toggles at 5 Hz to report a fault. So a latch counts only
+when the line was seen low first, rose, and then stayed high; and an opening, which no line
+confirms, is given the time that it takes.
+"""
+
+from __future__ import annotations
+
+import structlog
+
+from cellctl.assembling.arm import Arm
+from cellctl.config import CellConfig
+from cellctl.errors import CellFault
+
+_TOGGLE_PERIOD_S = 0.2
+"""Of the status line while the gripper reports a fault."""
+_STEADY_S = 1.1 * _TOGGLE_PERIOD_S
+"""A level that holds for this long (cell time) is no toggle."""
+
+_log = structlog.get_logger(__name__)
+
+
+class LatchGripper:
+    """The ``Gripper`` of a cell, real or emulated.
+
+    Args:
+        arm: whose controller the lines are on; it must be connected.
+        config: the cell.
+    """
+
+    def __init__(self, arm: Arm, config: CellConfig) -> None:
+        self._arm = arm
+        self._lines = config.gripper
+
+    async def latch(self) -> None:
+        for attempt in range(self._lines.retries + 1):
+            if attempt > 0:
+                _log.warning("gripper_latch_again", attempt=attempt)
+            # A latch that is closed already is opened, or its closing would prove nothing.
+            if attempt > 0 or not self._commanded_open():
+                await self.unlatch()
+            await self._command(open_=False)
+            if await self._status(high=True, timeout_s=self._lines.travel_timeout_s):
+                if await self._status(high=False, timeout_s=_STEADY_S):
+                    raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
+                return
+        raise CellFault(
+            "gripper_silent",
+            f"No confirmed latch within {self._lines.travel_timeout_s:.1f} s "
+            f"({self._lines.retries + 1} attempts).",
+        )
+
+    async def unlatch(self) -> None:
+        for attempt in range(self._lines.retries + 1):
+            if attempt > 0:
+                _log.warning("gripper_unlatch_again", attempt=attempt)
+                await self._command(open_=False)
+            await self._command(open_=True)
+            if await self._status(high=False, timeout_s=self._lines.travel_timeout_s):
+                opening_s = max(self._lines.release_s, _STEADY_S)
+                if await self._status(high=True, timeout_s=opening_s):
+                    raise CellFault("gripper_fault", "The status line rose while it opened.")
+                return
+        raise CellFault(
+            "gripper_silent", "The status line stays high although the latch was told to open."
+        )
+
+    def _commanded_open(self) -> bool:
+        state = self._arm.state()
+        return state is not None and bool(state.digital_outputs >> self._lines.command_output & 1)
+
+    async def _command(self, *, open_: bool) -> None:
+        await self._arm.set_output(self._lines.command_output, high=open_)
+
+    async def _status(self, *, high: bool, timeout_s: float) -> bool:
+        return await self._arm.wait_input(self._lines.status_input, high, timeout_s)
