@@ -209,9 +209,9 @@ class LineTrajectory(Trajectory):
             target[:3, :3] = self._blended_rotation(piece, fraction)
         joints_rad = self._kinematics.joints(target @ self._tcp_inverse, near_rad)
         if joints_rad is None:
-            raise MotionError("a point of the line is out of reach")
+            raise MotionError("the line is out of reach, or a joint's limit is in its way")
         if joint_distance(joints_rad, near_rad) > _JUMP_RAD:
-            raise MotionError("a singularity or a joint's limit is in the way of the line")
+            raise MotionError("a singularity is in the way of the line")
         return joints_rad
 
     def _blended_rotation(self, piece: Piece, fraction: float) -> Floats:
