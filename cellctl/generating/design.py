@@ -26,8 +26,8 @@ def design(
     """
     if request.intent is not Intent.DESIGN:
         raise NoObjectError(
-            request.reason or f"{request.text!r} names no object that I could build.",
-            'Say what to build, for example "a simple stool".',
+            request.reason
+            or f"{request.text!r} names no object. Say what to build, such as a simple stool."
         )
     refusals: list[DesignError] = []
     for generator in generators:

@@ -38,7 +38,9 @@ class ParametricGenerator:
         found = find_family(request)
         if found is None:
             wish = request.phrase if request.phrase not in ("", "false") else "that"
-            raise DesignError(f"I cannot design {_article(wish)} yet.", f"I can: {repertoire()}.")
+            raise DesignError(
+                f"I cannot design {_article(wish)} yet.", f"I can design {repertoire()}."
+            )
         family, noun = found
         brief = Brief.of(noun, request, pitch_m, workspace_m)
         design = family.build(brief)
@@ -68,7 +70,7 @@ def _article(phrase: str) -> str:
 def _left_out(unused: list[str], noun: str, count: int) -> tuple[Change, ...]:
     changes = [
         Change(
-            what=f"It comes without {name} as you asked for it.",
+            what=f"It comes without the {name} that you asked for.",
             why=f"I cannot design {name} for a {noun} yet.",
         )
         for name in unused

@@ -68,6 +68,11 @@ def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:
     surface = clean(generated.vertices, generated.faces)
     low = surface.vertices.min(axis=0)
     extent = surface.vertices.max(axis=0) - low
+    if generated.metric and extent.max() > LARGEST_M:
+        raise PlanError(
+            f"The shape is {extent.max():.3g} m across; that is no size for an object.",
+            "Check its unit: vertices are read as metres.",
+        )
     if extent.min() <= FLAT * extent.max():
         raise PlanError(
             "The shape is flat: it has no thickness along "
@@ -78,11 +83,6 @@ def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:
     space_m = np.array(config.grid, dtype=np.float64) * pitch_m
     if generated.metric:
         scale = 1.0
-        if extent.max() > LARGEST_M:
-            raise PlanError(
-                f"The shape is {extent.max():.3g} m across; that is no size for an object.",
-                "Check its unit: vertices are read as metres.",
-            )
         if extent.max() < pitch_m / 2:
             raise PlanError(
                 f"The shape is {centimetres(float(extent.max()))} across, "

@@ -86,7 +86,7 @@ def repair(shape: Shape, limits: LimitsSection, parts: int) -> Repaired:
             more = f" and {len(failed.cells) - 6} more" if len(failed.cells) > 6 else ""
             raise PlanError(
                 f"This shape cannot be built here. {_why(failed.name, cells, limits, parts)} "
-                f"Making it smaller does not help. Cells: {places}{more}.",
+                f"Cells: {places}{more}.",
                 "Ask for another shape, or a simpler one.",
             )
         shape = shape.rescaled(smaller)
@@ -136,13 +136,15 @@ def _smaller(
     extent: Floats, first: Floats, rule: str, cells: Cells, limits: LimitsSection
 ) -> Floats | None:
     """The extents after one step of rescaling for a failed rule; None when too little is left."""
+    if rule in ("connectivity", "grounded"):
+        # Pieces that lie apart would only grow together; that is another object.
+        return None
     smaller = extent.copy()
     for axis in _axes(rule, cells, limits):
         smaller[axis] = max(extent[axis] - 1.0, min(extent[axis], 1.0))
-    # Rescaling cures what hangs or lies apart only by luck; half the size is where that ends.
-    by_luck = rule in ("connectivity", "access", "grounded")
-    least = min(max(_LEAST_CELLS, first.max() / 2 if by_luck else 0.0), float(first.max()))
-    if np.array_equal(smaller, extent) or smaller.max() < least - 1e-9:
+    # Rescaling cures what hangs only by luck; half the size is where that ends.
+    least = max(_LEAST_CELLS, first.max() / 2 if rule == "access" else 0.0)
+    if np.array_equal(smaller, extent) or smaller.max() < min(least, first.max()) - 1e-9:
         return None
     return smaller
 

@@ -67,7 +67,7 @@ def bench(brief: Brief) -> Design:
     arms = brief.flag("arms", False)
     legs = brief.whole("legs", 0, 1, 6)
     if legs and (back or arms):
-        default = (5, 3, 5 if back else 4)
+        default = (5, 3, 5 if back and legs < 6 else 4)
     else:
         default = (6, 3 if legs else 2, 5 if back else 3 + arms)
     width, depth, height = brief.size(*default, least=(3, 1, 3 if back or arms else 2))

@@ -1,0 +1,241 @@
+"""Whole plans: from a wish or a file to steps that the arm can take."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cellctl.assembly import BuildPlan, Cell, Intent, Request, StepKind
+from cellctl.errors import PlanError, UsageError
+from cellctl.generating.boxes import Box
+from cellctl.generating.design import design
+from cellctl.validating.files import load_mesh, load_plan, read_mesh
+from cellctl.validating.plan import plan_build, plan_cells, plan_file
+from tests.validating.shapes import CONFIG, cells_of, generated, paper
+
+CHECKS = ["count", "overhang", "stack", "connectivity", "grounded", "access", "order", "reach"]
+
+
+def wish(
+    noun: str, attributes: dict[str, int | str] | None = None, height_m: float | None = None
+) -> BuildPlan:
+    request = Request(
+        text=noun,
+        intent=Intent.DESIGN,
+        phrase=noun,
+        objects=(noun,),
+        attributes={**(attributes or {})},
+        dimensions_m={} if height_m is None else {"height": height_m},
+    )
+    return plan_build(design(request, CONFIG), CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("noun", "attributes", "parts", "size"),
+    [
+        ("stool", {}, 30, (5, 4, 5)),
+        ("shelf", {"tiers": 2}, 32, (5, 2, 5)),
+        ("letter", {"glyph": "T"}, 7, (3, 1, 5)),
+        ("table", {"legs": 1}, 20, (4, 4, 5)),
+    ],
+)
+def test_the_papers_prompts(
+    noun: str, attributes: dict[str, int | str], parts: int, size: tuple[int, int, int]
+) -> None:
+    plan = wish(noun, attributes)
+    assert plan.parts == parts
+    assert plan.assembly.size == size
+    assert [check.name for check in plan.checks] == CHECKS
+    assert all(check.passed and not check.cells for check in plan.checks)
+    assert [step.index for step in plan.steps] == list(range(parts))
+    assert {step.cell for step in plan.steps} == set(plan.assembly.cells)
+    assert all(step.kind is StepKind.PLACE for step in plan.steps)
+    for step in plan.steps:
+        assert step.clearance_m is not None
+        assert step.clearance_m >= (step.cell.z + 1) * 0.1
+        assert step.duration_s is not None
+        assert 1.0 < step.duration_s < 30.0
+
+
+def test_an_object_stands_in_the_middle_of_the_workspace() -> None:
+    plan = plan_build(generated(Box(0, 0, 0, 2, 1, 1)), CONFIG)
+    assert plan.assembly.cells == (Cell(2, 2, 0), Cell(3, 2, 0))
+
+
+def test_the_same_object_has_the_same_plan_and_another_has_another() -> None:
+    one = plan_build(generated(Box(0, 0, 0, 2, 1, 1)), CONFIG)
+    again = plan_build(generated(Box(3, 1, 4, 2, 1, 1)), CONFIG)
+    other = plan_build(generated(Box(0, 0, 0, 2, 2, 1)), CONFIG)
+    assert one == again
+    assert one.plan_id != other.plan_id
+
+
+def test_changes_and_questions_reach_the_plan() -> None:
+    plan = wish("stool", height_m=1.0)
+    assert len(plan.questions) == 1
+    assert "100 cm" in plan.questions[0]
+    shelf = wish("shelf")
+    assert [(change.what, change.why) for change in shelf.changes] == [
+        (
+            "It is 5 x 2 x 5 parts large instead of 6 x 3 x 6 (wide, deep, high).",
+            "It would take 60 parts, and there are 40.",
+        )
+    ]
+
+
+def test_fewer_parts_on_hand_make_a_smaller_object() -> None:
+    box = generated(Box(0, 0, 0, 3, 3, 3))
+    assert plan_build(box, CONFIG, 27).parts == 27
+    assert plan_build(box, CONFIG, 10).parts == 8
+    with pytest.raises(PlanError, match="no parts"):
+        plan_build(box, CONFIG, 0)
+
+
+def test_each_stage_is_told_as_it_begins() -> None:
+    told: list[str] = []
+    plan_build(generated(Box(0, 0, 0, 1, 1, 1)), CONFIG, None, told.append)
+    assert told == ["discretising", "checking", "sequencing"]
+
+
+def test_an_arm_that_cannot_reach_refuses_the_plan() -> None:
+    base = CONFIG.base.model_copy(update={"frame": (0.30, -3.0, 0.35, 0.0, 0.0, 0.0)})
+    far = CONFIG.model_copy(update={"base": base})
+    with pytest.raises(PlanError, match="reach"):
+        plan_build(generated(Box(0, 0, 0, 1, 1, 1)), far)
+
+
+def test_cells_are_planned_as_given_or_refused_with_the_rule() -> None:
+    plan = plan_cells(cells_of(Box(0, 0, 0, 2, 2, 2)), CONFIG)
+    assert plan.parts == 8
+    with pytest.raises(PlanError, match="rule of stack"):
+        plan_cells(cells_of(Box(0, 0, 0, 1, 1, 6)), CONFIG)
+    with pytest.raises(PlanError, match="workspace has 6 x 5 x 6"):
+        plan_cells(cells_of(Box(0, 0, 0, 7, 1, 1)), CONFIG)
+    with pytest.raises(PlanError, match="no cells"):
+        plan_cells([], CONFIG)
+
+
+@pytest.mark.parametrize(("name", "rule"), [("stool", "count"), ("letter_t", "stack")])
+def test_the_papers_cells_break_the_rules_they_broke(test_data: Path, name: str, rule: str) -> None:
+    cells, _ = paper(test_data, name)
+    with pytest.raises(PlanError, match=f"rule of {rule}"):
+        plan_cells(cells, CONFIG)
+
+
+def test_a_plan_survives_its_file(tmp_path: Path) -> None:
+    plan = wish("letter", {"glyph": "T"})
+    file = tmp_path / "t.json"
+    file.write_text(plan.model_dump_json())
+    assert load_plan(file) == plan
+    assert plan_file("t.json", file.read_bytes(), CONFIG) == plan
+    assert pickle.loads(pickle.dumps(plan)) == plan  # noqa: S301 - our own bytes
+
+
+def test_a_plan_from_elsewhere_is_not_taken_on_trust() -> None:
+    plan = wish("letter", {"glyph": "T"})
+    floating = plan.model_copy(update={"steps": plan.steps[::-1]})
+    with pytest.raises(PlanError, match="rule of order"):
+        plan_file("t.json", floating.model_dump_json().encode(), CONFIG)
+    partial = plan.model_copy(update={"steps": plan.steps[:-1]})
+    with pytest.raises(PlanError, match="own assembly"):
+        plan_file("t.json", partial.model_dump_json().encode(), CONFIG)
+    half = plan.model_copy(update={"pitch_m": 0.05})
+    with pytest.raises(PlanError, match="parts of 5 cm"):
+        plan_file("t.json", half.model_dump_json().encode(), CONFIG)
+    away = [s.model_copy(update={"cell": Cell(s.cell.x + 4, *s.cell[1:])}) for s in plan.steps]
+    moved = plan.model_copy(
+        update={
+            "steps": tuple(away),
+            "assembly": plan.assembly.of([s.cell for s in away], 0.1),
+        }
+    )
+    with pytest.raises(PlanError, match="outside the workspace"):
+        plan_file("t.json", moved.model_dump_json().encode(), CONFIG)
+
+
+def test_cells_in_a_file_are_planned() -> None:
+    content = json.dumps({"cells": [[0, 0, 0], [0, 0, 1]], "pitch_m": 0.1}).encode()
+    plan = plan_file("post.json", content, CONFIG)
+    assert plan.title == "post"
+    assert plan.parts == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.json", b"{", "not valid JSON: .* in line 1"),
+        ("a.json", b"\xff\xfe", "not UTF-8"),
+        ("a.json", b"[1, 2]", "neither a build plan nor cells"),
+        ("a.json", b'{"steps": []}', "plan_id"),
+        ("a.json", b'{"cells": [[0, 0]], "pitch_m": 0.1}', "cells.0"),
+        ("a.step", b"", "not a kind of mesh file"),
+        ("a.glb", b"glTF but not really", "cannot be read as GLB"),
+        ("a.obj", b"# nothing\n", "a.obj"),
+        ("a.stl", b"", "a.stl"),
+    ],
+)
+def test_a_file_that_holds_nothing_useful_is_refused_by_name(
+    name: str, content: bytes, said: str
+) -> None:
+    with pytest.raises(UsageError, match=said):
+        plan_file(name, content, CONFIG)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="cannot be read: No such file"):
+        load_mesh(tmp_path / "none.glb")
+    with pytest.raises(UsageError, match="cannot be read: No such file"):
+        load_plan(tmp_path / "none.json")
+
+
+@pytest.mark.parametrize("kind", ["glb", "stl", "obj", "ply"])
+def test_a_mesh_file_stands_upright_and_has_no_unit(tmp_path: Path, kind: str) -> None:
+    chair = generated(Box(0, 0, 0, 1, 1, 4), Box(0, 0, 0, 3, 1, 1)).mesh
+    if kind == "glb":  # y is up in glTF
+        chair.vertices = np.array(chair.vertices)[:, [0, 2, 1]] * np.array([1.0, 1.0, -1.0])
+    file = tmp_path / f"thing.{kind}"
+    chair.export(file)
+    found = load_mesh(file, height_m=0.4)
+    assert not found.metric
+    plan = plan_build(found, CONFIG)
+    assert plan.assembly.size == (3, 1, 4)
+    assert plan.parts == 6
+
+
+def test_the_up_axis_can_be_said(tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    generated(Box(0, 0, 0, 1, 4, 2)).mesh.export(file)
+    content = file.read_bytes()
+    assert plan_build(read_mesh("a.stl", content, height_m=0.2), CONFIG).assembly.size == (1, 4, 2)
+    turned = read_mesh("a.stl", content, up="y", height_m=0.4)
+    assert plan_build(turned, CONFIG).assembly.size == (1, 2, 4)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "control_painted_wooden_stool.glb",
+        "control_wooden_bookshelf_worn.glb",
+        "control_wooden_table_02.glb",
+        "detailgen_503d.glb",
+        "hunyuan_sheep.glb",
+        "meshy_chair.glb",
+        "shape_connor1.obj",
+        "step1x_fire_hydrant.glb",
+        "trellis_199c.glb",
+        "trellis_oven.glb",
+    ],
+)
+def test_a_real_generated_mesh_becomes_a_plan(test_data: Path, name: str) -> None:
+    plan = plan_build(load_mesh(test_data / "meshes" / name), CONFIG)
+    assert 8 <= plan.parts <= 40
+    assert all(check.passed for check in plan.checks)
+    assert all(
+        0 <= index < count
+        for cell in plan.assembly.cells
+        for index, count in zip(cell, CONFIG.grid, strict=True)
+    )
