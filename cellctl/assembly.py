@@ -148,7 +148,8 @@ class Step(Value):
     clearance_m: float | None = None
     """Height of the TCP above the floor at which the part may cross at this step."""
     duration_s: float | None = None
-    """Predicted cell time, from pick to the gripper clear of the part."""
+    """Predicted cell time of both movements, from where the part before was put (or home) by way
+    of the pick station to this cell; without the latch's own time."""
     margin: float | None = None
     """Stability margin of the structure after this step; at least 1 holds."""
 
