@@ -135,7 +135,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         code="belt_jam",
         severity=Severity.HELD,
         title="The conveyor moved but its parts did not.",
-        causes=("A part is wedged.", "The belt slips."),
+        causes=("A part is wedged.", "The belt slips.", "The part sensor does not see the part."),
         remedy="Free the parts on the belt, then reset and resume.",
     ),
     FaultEntry(

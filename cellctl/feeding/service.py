@@ -98,7 +98,9 @@ class BeltService:
         except CellFault as fault:
             self._show_fault(fault)
             raise
-        self._show(self._view.activity, part_present=state.part_present)
+        taken = self.ready and not state.part_present
+        activity = BeltActivity.IDLE if taken else self._view.activity
+        self._show(activity, part_present=state.part_present)
         return state
 
     def request_part(self) -> None:

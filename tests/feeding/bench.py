@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cellctl.clock import SystemClock
 from cellctl.config import CellConfig, load_config
 from cellctl.feeding.conveyor import Conveyor
 from cellctl.sim.conveyor import ConveyorEmulator
+from tests.feeding.paced_clock import PacedClock
 
 SIM_CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
 PITCH_M = 0.1
-RATE = 10.0
-"""Cell seconds per wall second."""
+TICK_S = 0.005
+"""Cell time that passes at once, while the host has at least a millisecond to answer."""
 SENSOR_M = 0.0015
 DEADLINE_S = 20.0
 
@@ -49,7 +49,7 @@ class Bench:
     """All that a test of the belt works with."""
 
     config: CellConfig
-    clock: SystemClock
+    clock: PacedClock
     world: PartsOnBelt
     emulator: ConveyorEmulator
     conveyor: Conveyor
@@ -81,7 +81,7 @@ async def bench(parts: int = 5, **feeder: Any) -> AsyncIterator[Bench]:
     """Everything running; taken apart again at the end."""
     with tempfile.TemporaryDirectory() as folder:
         config = cell_config(Path(folder) / "cell" / "conveyor", **feeder)
-        clock = SystemClock(RATE)
+        clock = PacedClock()
         world = PartsOnBelt(parts)
         emulator = ConveyorEmulator(world, config)
         emulator.start()
@@ -98,10 +98,8 @@ async def bench(parts: int = 5, **feeder: Any) -> AsyncIterator[Bench]:
         assert not (Path(folder) / "cell").exists(), "the emulator left its port behind"
 
 
-async def _advance(emulator: ConveyorEmulator, clock: SystemClock) -> None:
-    before_s = clock.now_s()
+async def _advance(emulator: ConveyorEmulator, clock: PacedClock) -> None:
     while True:
         await asyncio.sleep(0.001)
-        now_s = clock.now_s()
-        emulator.advance(now_s - before_s)
-        before_s = now_s
+        emulator.advance(TICK_S)
+        clock.step(TICK_S)

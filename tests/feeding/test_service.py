@@ -75,10 +75,13 @@ def test_the_next_part_comes_while_nobody_waits() -> None:
         async with served() as cell:
             cell.service.request_part()
             await cell.service.part_ready()
+            assert (await cell.service.state()).part_present
+            assert cell.service.view().activity == BeltActivity.READY
             cell.bench.world.take()
             cell.inventory.apply(Act.PICK)
-            cell.service.request_part()
+            assert not (await cell.service.state()).part_present
             assert not cell.service.ready
+            cell.service.request_part()
             await cell.bench.until(lambda: cell.service.ready)
             await cell.service.part_ready()
             assert cell.bench.world.travel_m == pytest.approx(2 * PITCH_M, abs=0.002)
@@ -149,7 +152,7 @@ def test_a_fault_that_nobody_waits_for_is_shown_and_the_next_request_tries_anew(
 
 def test_a_lost_board_is_shown_and_recovered_once_it_answers() -> None:
     async def scenario() -> None:
-        async with served(reply_timeout_s=0.05) as cell:
+        async with served(reply_timeout_s=0.1) as cell:
             await cell.service.connect()
             cell.bench.emulator.inject("unplugged")
             cell.service.request_part()
@@ -203,7 +206,7 @@ def test_halt_ends_the_request_and_the_belt_stands() -> None:
 
 def test_halt_does_not_raise_for_a_board_that_is_gone() -> None:
     async def scenario() -> None:
-        async with served(reply_timeout_s=0.05) as cell:
+        async with served(reply_timeout_s=0.1) as cell:
             await cell.service.connect()
             cell.bench.emulator.inject("silent")
             await cell.service.halt()
@@ -228,14 +231,18 @@ def test_close_in_mid_index_leaves_no_task_and_a_belt_that_stands() -> None:
 
 def test_a_part_that_vanishes_before_the_arm_comes_is_not_called_ready() -> None:
     async def scenario() -> None:
-        async with served(parts=1, retries=0) as cell:
-            cell.bench.emulator.inject("sensor_blocked", reads=True)
-            cell.service.request_part()
-            # The index ends at once; the sensor then sees nothing when it is asked again.
-            await cell.bench.until(lambda: BeltActivity.PRESENTING in cell.activities())
-            cell.bench.emulator.clear("sensor_blocked")
+        async with bench(parts=1) as cell:
+            cell.emulator.inject("sensor_blocked", reads=True)
+
+            def snatch(view: ConveyorData) -> None:
+                if view.activity == BeltActivity.PRESENTING:
+                    cell.emulator.clear("sensor_blocked")
+
+            service = BeltService(cell.conveyor, 0, Inventory.full(1), snatch)
+            service.request_part()
             with pytest.raises(CellFault, match="gone again") as caught:
-                await cell.service.part_ready()
+                await service.part_ready()
             assert caught.value.code == "belt_jam"
+            await service.close()
 
     asyncio.run(scenario())
