@@ -6,11 +6,14 @@ import itertools
 import json
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
 from cellctl.config import CellConfig
 
+_DEADLINE_S = 10.0
 _ADDRESSES = itertools.cycle(range(20, 40))
 
 
@@ -62,6 +65,13 @@ class Emulator:
         answer = self._read()
         assert "error" not in answer, answer
         return answer
+
+    def wait_until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The first truth that is as wanted."""
+        deadline_s = time.monotonic() + _DEADLINE_S
+        while not wanted(truth := self.truth()):
+            assert time.monotonic() < deadline_s, truth
+        return truth
 
     def _read(self) -> dict[str, Any]:
         assert self._process.stdout is not None

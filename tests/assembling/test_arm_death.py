@@ -1,0 +1,175 @@
+"""SIGKILL of the arm process, of the daemon, or of both: the arm never goes on by itself.
+
+At the speed of a real cell. The emulated controller tells when its watchdog made the arm brake;
+what it cannot tell from outside is the moment of the kill, so its clock is read just before.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from cellctl.errors import CellFault
+from tests.assembling.conftest import cell
+from tests.assembling.emulator import Emulator
+from tests.assembling.paths import SPEED_M_S, away_from
+from tests.assembling.test_arm import connected, stance, until_moving
+
+BRAKES_WITHIN_S = 0.15
+READING_S = 0.02
+"""Between reading the emulator's clock and the kill."""
+STOPPING_M = 0.16
+"""Greatest distance of the emulated watchdog's stop from 0.8 m/s, along the path."""
+FIRST_100_MS = [0, 15, 30, 40, 45, 50, 55, 60, 70, 85, 100]
+
+
+@contextmanager
+def driven(emulator: Emulator) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    """A daemon in small, ready to move, and the process id of its arm process."""
+    command = [sys.executable, "-m", "tests.assembling.driver"]
+    with subprocess.Popen(
+        [*command, emulator.config.model_dump_json()],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as driver:
+        try:
+            assert driver.stdout is not None
+            yield driver, int(driver.stdout.readline())
+        finally:
+            driver.kill()
+
+
+def start(driver: subprocess.Popen[str]) -> None:
+    assert driver.stdin is not None
+    driver.stdin.write("go\n")
+    driver.stdin.flush()
+
+
+def settled(emulator: Emulator, after_s: float) -> dict[str, Any]:
+    """The truth once the arm has been at rest for a while, at the earliest a second later."""
+    return emulator.wait_until(
+        lambda truth: truth["time_s"] > after_s + 1.0 and not truth["moving"]
+    )
+
+
+def assert_braked_in_time(before: dict[str, Any], after: dict[str, Any]) -> None:
+    """The arm stood still all along, or began to brake in time, and stopped within its distance."""
+    travelled_m = math.dist(before["tcp_pose"][:3], after["tcp_pose"][:3])
+    if travelled_m > 1e-4 and after["braking"] is not None:
+        assert after["braking"]["started_s"] - before["time_s"] <= BRAKES_WITHIN_S + READING_S
+        assert after["braking"]["distance_m"] <= STOPPING_M
+    assert travelled_m <= SPEED_M_S * BRAKES_WITHIN_S + STOPPING_M
+
+
+@pytest.mark.parametrize("killed", ["arm process", "daemon", "both"])
+def test_a_kill_in_mid_move(emulator: Emulator, killed: str) -> None:
+    with driven(emulator) as (driver, arm_pid):
+        start(driver)
+        before = emulator.wait_until(lambda truth: truth["tcp_speed_m_s"] > 0.75)
+        if killed != "arm process":
+            driver.kill()
+        if killed != "daemon":
+            os.kill(arm_pid, signal.SIGKILL)
+        after = settled(emulator, before["time_s"])
+        assert after["watchdog"]["trips"] == (0 if killed == "daemon" else 1)
+        assert_braked_in_time(before, after)
+        assert after["program"] == "STOPPED"
+
+
+@pytest.mark.parametrize("delay_ms", FIRST_100_MS)
+def test_a_kill_of_both_in_the_first_100_ms(emulator: Emulator, delay_ms: int) -> None:
+    """Among these moments are those between the upload, which drops the watchdog, and its arming:
+    the program then runs unwatched, behind the closed gate."""
+    with driven(emulator) as (driver, arm_pid):
+        start(driver)
+        time.sleep(delay_ms / 1e3)  # the delay is what is tested
+        before = emulator.truth()
+        driver.kill()
+        os.kill(arm_pid, signal.SIGKILL)
+        after = settled(emulator, before["time_s"])
+        assert_braked_in_time(before, after)
+        assert after["program"] == "STOPPED" or after["speed_slider"] == 0.0
+
+
+def test_a_killed_arm_process_is_a_fault_and_replaced(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            move = asyncio.create_task(arm.follow(away_from(stance(arm).tcp_pose), 3.0))
+            await until_moving(arm)
+            first = arm.process_id
+            assert first is not None
+            os.kill(first, signal.SIGKILL)
+            with pytest.raises(CellFault) as caught:
+                await move
+            assert caught.value.code == "program_stopped"
+            assert arm.state() is None
+            await arm.connect()
+            assert arm.process_id not in (None, first)
+            await arm.follow(away_from(stance(arm).tcp_pose)[:1], 3.0)
+
+    asyncio.run(scenario())
+
+
+def test_a_gate_that_a_kill_left_closed_is_opened_again(emulator: Emulator) -> None:
+    with driven(emulator) as (driver, arm_pid):
+        start(driver)
+        emulator.wait_until(lambda truth: truth["speed_slider"] == 0.0)
+        driver.kill()
+        os.kill(arm_pid, signal.SIGKILL)
+
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            await arm.follow(away_from(stance(arm).tcp_pose)[:1], 3.0)
+
+    asyncio.run(scenario())
+    assert emulator.truth()["speed_slider"] == 1.0
+
+
+def test_a_hanging_arm_process_is_replaced(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            move = asyncio.create_task(arm.follow(away_from(stance(arm).tcp_pose), 3.0))
+            await until_moving(arm)
+            hanging = arm.process_id
+            assert hanging is not None
+            before = emulator.truth()
+            os.kill(hanging, signal.SIGSTOP)
+            after = settled(emulator, before["time_s"])
+            assert after["watchdog"]["trips"] == 1
+            assert_braked_in_time(before, after)
+            with pytest.raises(CellFault) as caught:
+                await asyncio.wait_for(move, 15.0)
+            assert caught.value.code == "program_stopped"
+            await arm.connect()
+
+    asyncio.run(scenario())
+
+
+def test_a_silent_daemon_is_no_daemon() -> None:
+    config = cell("ur10e")
+    robot = config.robot.model_copy(update={"host_silence_s": 0.3})
+    with (
+        Emulator(config.model_copy(update={"robot": robot})) as emulator,
+        driven(emulator) as (driver, _),
+    ):
+        start(driver)
+        before = emulator.wait_until(lambda truth: truth["tcp_speed_m_s"] > 0.5)
+        os.kill(driver.pid, signal.SIGSTOP)
+        after = settled(emulator, before["time_s"])
+        os.kill(driver.pid, signal.SIGCONT)
+        travelled_m = math.dist(before["tcp_pose"][:3], after["tcp_pose"][:3])
+        assert travelled_m < SPEED_M_S * 0.45 + STOPPING_M
+        assert after["watchdog"]["trips"] == 0
+        assert after["program"] == "PLAYING"
