@@ -10,9 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import trimesh
-
-from cellctl.assembly import Role
+from cellctl.assembly import Assembly, Role
 from cellctl.cli.demo import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
@@ -101,7 +99,7 @@ class RunningCell:
 
 
 @contextmanager
-def running_cell(speed: float = 20.0, **sections: dict[str, Any]) -> Iterator[RunningCell]:
+def running_cell(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[RunningCell]:
     """An emulated cell and a daemon, idle, with the confirmation waived.
 
     Args:
@@ -134,8 +132,7 @@ def running_cell(speed: float = 20.0, **sections: dict[str, Any]) -> Iterator[Ru
                 raise
 
 
-def bar(nx: int, ny: int, nz: int, pitch_m: float = 0.1) -> bytes:
-    """A box of so many voxels, as an STL file in metres."""
-    box = trimesh.creation.box(extents=(nx * pitch_m, ny * pitch_m, nz * pitch_m))
-    content: bytes = box.export(file_type="stl")
-    return content
+def bar(nx: int, ny: int, nz: int) -> bytes:
+    """A box of so many voxels, as a file of cells."""
+    cells = [(x, y, z) for x in range(nx) for y in range(ny) for z in range(nz)]
+    return Assembly.of(cells, pitch_m=0.1).model_dump_json().encode()

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.wire
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[RunningCell]:
-    with running_cell(speed=20.0, policy={"confirmation": "ask"}) as running:
+    with running_cell(speed=10.0, policy={"confirmation": "ask"}) as running:
         yield running
 
 
@@ -26,7 +26,7 @@ def idle(cell: RunningCell) -> Iterator[RunningCell]:
 
 
 def begin(cell: RunningCell, height: int = 2) -> None:
-    cell.client.build("bar.stl", bar(1, 1, height))
+    cell.client.build("bar.json", bar(1, 1, height))
     cell.wait_state("validating_confirming")
     cell.visitor.confirm(True)
 
@@ -101,10 +101,10 @@ def test_what_makes_no_sense_is_refused_with_a_reason(idle: RunningCell) -> None
     with pytest.raises(RefusedError, match="Nothing waits for a yes"):
         idle.client.confirm(True)
     with pytest.raises(RefusedError, match="operator"):
-        idle.visitor.build("bar.stl", bar(1, 1, 1))
+        idle.visitor.build("bar.json", bar(1, 1, 1))
     with pytest.raises(UsageError, match="empty"):
-        idle.client.build("bar.stl", b"")
-    idle.client.build("bar.stl", b"this is no mesh")
+        idle.client.build("bar.json", b"")
+    idle.client.build("bar.json", b"this is no plan")
     assert idle.finish().outcome == "cannot_plan"
 
 

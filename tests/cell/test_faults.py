@@ -14,7 +14,7 @@ pytestmark = pytest.mark.wire
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[RunningCell]:
-    with running_cell(speed=20.0) as running:
+    with running_cell(speed=10.0) as running:
         yield running
 
 
@@ -30,8 +30,8 @@ def idle(cell: RunningCell) -> Iterator[RunningCell]:
     cell.clear_workspace()
 
 
-def begin(cell: RunningCell, nx: int = 1, nz: int = 2) -> None:
-    cell.client.build("bar.stl", bar(nx, 1, nz))
+def begin(cell: RunningCell, height: int = 2) -> None:
+    cell.client.build("bar.json", bar(1, 1, height))
 
 
 def expect_fault(cell: RunningCell, code: str) -> None:
@@ -72,7 +72,7 @@ def test_an_empty_belt(idle: RunningCell) -> None:
 
 
 def test_a_jammed_belt(idle: RunningCell) -> None:
-    begin(idle, nz=3)
+    begin(idle, height=3)
     idle.wait_state("assembling_placing")
     idle.world.inject("belt_jam")
     expect_fault(idle, "belt_jam")

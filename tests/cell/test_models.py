@@ -11,7 +11,7 @@ pytestmark = pytest.mark.wire
 
 def test_a_ur10_at_125_hz_builds_the_letter_t() -> None:
     with running_cell(
-        speed=20.0,
+        speed=10.0,
         robot={"model": "ur10", "rtde_frequency_hz": 125},
         emulation={"controller_version": "3.15"},
     ) as cell:

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.wire
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[RunningCell]:
-    with running_cell(speed=20.0) as running:
+    with running_cell(speed=10.0) as running:
         yield running
 
 
