@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+import os
 import shutil
 from pathlib import Path
 
@@ -15,6 +17,7 @@ from cellctl.listening.request import read_request
 from cellctl.listening.voice import speak_to_wav
 from cellctl.listening.vosk_recogniser import VoskRecogniser
 from cellctl.listening.wav import read_wav
+from cellctl.listening.whisper_recogniser import MIN_AVG_LOGPROB
 from tests.listening.conftest import Speak
 
 
@@ -49,6 +52,16 @@ def test_stop_is_heard_as_stop(whisper: Recogniser, speak: Speak) -> None:
     transcript = whisper.transcribe(read_wav(speak("stop"), 30.0))
     request = read_request(transcript.text)
     assert (request.intent, request.command) == (Intent.CONTROL, "stop")
+
+
+def test_a_doubtful_stop_is_a_stop(whisper: Recogniser) -> None:
+    folder = os.environ.get("CELLCTL_TEST_DATA")
+    if not folder:
+        pytest.skip("CELLCTL_TEST_DATA does not name the folder with the evaluation data")
+    samples = read_wav(Path(folder) / "speech" / "flite_slt" / "40.wav", 30.0)
+    transcript = whisper.transcribe(samples)
+    assert transcript.confidence < math.exp(MIN_AVG_LOGPROB), "this one is below the gate"
+    assert read_request(transcript.text).command == "stop"
 
 
 def test_whisper_makes_no_words_of_silence_and_noise(whisper: Recogniser) -> None:
