@@ -85,7 +85,6 @@ class Robot:
         steps = max(1, math.ceil(duration_s / _LONGEST_STEP_S - 1e-9))
         for _ in range(steps):
             self._step(duration_s / steps)
-        self.lines.exchange()
         self.show()
 
     def _step(self, duration_s: float) -> None:

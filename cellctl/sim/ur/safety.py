@@ -35,9 +35,9 @@ _BITS = {
     SafetyMode.SAFEGUARD_STOP: 1 << 4 | 1 << 10,
     SafetyMode.ROBOT_EMERGENCY_STOP: 1 << 6 | 1 << 7 | 1 << 10,
 }
-_JOINT_RUNNING = 253
-_JOINT_IDLE = 255
 _JOINT_POWER_OFF = 239
+_JOINT_MODE = {RobotMode.RUNNING: 253, RobotMode.IDLE: 255}
+"""RTDE's ``joint_mode``; powered off in every other robot mode."""
 
 
 class Safety:
@@ -140,8 +140,4 @@ class Safety:
         registers.robot_mode = self.robot_mode
         registers.safety_mode = registers.safety_status = mode
         registers.safety_status_bits = _BITS[mode]
-        joint = {
-            RobotMode.RUNNING: _JOINT_RUNNING,
-            RobotMode.IDLE: _JOINT_IDLE,
-        }.get(self.robot_mode, _JOINT_POWER_OFF)
-        registers.joint_mode = (joint,) * 6
+        registers.joint_mode = (_JOINT_MODE.get(self.robot_mode, _JOINT_POWER_OFF),) * 6
