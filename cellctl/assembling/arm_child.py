@@ -30,7 +30,7 @@ from cellctl.assembling.arm_messages import (
 )
 from cellctl.errors import CellFault
 
-SILENCE_S = 5.0
+SILENCE_S = 4.0
 """A connected arm process that says nothing for so long (wall time) hangs; it reports its state
 some 80 times a second, and a path's upload is the longest that it may be silent."""
 

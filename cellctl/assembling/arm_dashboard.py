@@ -15,7 +15,7 @@ from cellctl.assembling.arm_link import RUNNING, STOPPED, VIOLATION, Receiver, s
 from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 
-_REPLY_TIMEOUT_S = 2.5
+_REPLY_TIMEOUT_S = 2.0
 _IDLE = 5
 """``robot_mode`` of an arm with power on and brakes held."""
 _RETRY_S = 0.25

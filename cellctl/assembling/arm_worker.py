@@ -46,7 +46,7 @@ from cellctl.assembling.arm_messages import (
 from cellctl.assembly import Value
 from cellctl.errors import CellFault
 
-HANG_S = 4.0
+HANG_S = 2.5
 """No round of the loop may take longer; a path's upload is the longest."""
 
 _ROUND_S = 0.004

@@ -18,6 +18,8 @@ from tests.assembling.conftest import cell
 from tests.assembling.emulator import Emulator
 from tests.assembling.paths import away_from
 
+pytestmark = pytest.mark.wire
+
 
 @asynccontextmanager
 async def connected(config: CellConfig) -> AsyncIterator[RemoteArm]:

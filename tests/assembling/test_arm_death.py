@@ -25,12 +25,15 @@ from tests.assembling.emulator import Emulator
 from tests.assembling.paths import SPEED_M_S, away_from
 from tests.assembling.test_arm import connected, stance, until_moving
 
+pytestmark = pytest.mark.wire
+
 BRAKES_WITHIN_S = 0.15
 READING_S = 0.02
 """Between reading the emulator's clock and the kill."""
 STOPPING_M = 0.16
 """Greatest distance of the emulated watchdog's stop from 0.8 m/s, along the path."""
-FIRST_100_MS = [0, 15, 30, 40, 45, 50, 55, 60, 70, 85, 100]
+FIRST_100_MS = (0, 40, 50, 60, 100)
+EVERY_3_MS = range(0, 130, 3)
 
 
 @contextmanager
@@ -88,7 +91,10 @@ def test_a_kill_in_mid_move(emulator: Emulator, killed: str) -> None:
         assert after["program"] == "STOPPED"
 
 
-@pytest.mark.parametrize("delay_ms", FIRST_100_MS)
+@pytest.mark.parametrize(
+    "delay_ms",
+    [*FIRST_100_MS, *(pytest.param(delay, marks=pytest.mark.soak) for delay in EVERY_3_MS)],
+)
 def test_a_kill_of_both_in_the_first_100_ms(emulator: Emulator, delay_ms: int) -> None:
     """Among these moments are those between the upload, which drops the watchdog, and its arming:
     the program then runs unwatched, behind the closed gate."""

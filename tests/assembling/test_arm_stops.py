@@ -13,6 +13,8 @@ from tests.assembling.emulator import Emulator
 from tests.assembling.paths import away_from
 from tests.assembling.test_arm import connected, stance, until_moving
 
+pytestmark = pytest.mark.wire
+
 
 async def interrupted(arm: RemoteArm, emulator: Emulator, command: str) -> CellFault:
     """The fault that ends a movement when the emulator is told something in mid-move."""
@@ -56,14 +58,13 @@ def test_a_protective_stop_between_upload_and_start_is_no_deadlock(emulator: Emu
 
     async def scenario() -> None:
         async with connected(emulator.config) as arm:
-            for delay_s in (0.01, 0.03, 0.05):
-                move = asyncio.create_task(arm.follow(away_from(stance(arm).tcp_pose), 3.0))
-                await asyncio.sleep(delay_s)
-                emulator.tell("inject protective_stop")
-                with pytest.raises(CellFault) as caught:
-                    await asyncio.wait_for(move, 15.0)
-                assert caught.value.code == "protective_stop"
-                await arm.recover()
+            move = asyncio.create_task(arm.follow(away_from(stance(arm).tcp_pose), 3.0))
+            await asyncio.to_thread(emulator.wait_until, lambda truth: truth["speed_slider"] == 0.0)
+            emulator.tell("inject protective_stop")
+            with pytest.raises(CellFault) as caught:
+                await asyncio.wait_for(move, 15.0)
+            assert caught.value.code == "protective_stop"
+            await arm.recover()
 
     asyncio.run(scenario())
 

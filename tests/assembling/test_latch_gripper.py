@@ -1,0 +1,164 @@
+"""The latch gripper over the emulated controller's lines, with a gripper acted on its pins."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+
+import pytest
+
+from cellctl.assembling.latch_gripper import LatchGripper
+from cellctl.config import CellConfig
+from cellctl.errors import CellFault
+from tests.assembling.emulator import Emulator
+from tests.assembling.test_arm import connected
+
+pytestmark = pytest.mark.wire
+
+TRAVEL_S = 0.35
+
+Behaviour = Callable[[bool, float], bool]
+"""From the command line's level and the time since it changed to the status line's level."""
+
+
+def healthy(commanded_open: bool, since_s: float) -> bool:
+    return not commanded_open and since_s >= TRAVEL_S
+
+
+def silent(commanded_open: bool, since_s: float) -> bool:  # noqa: ARG001
+    return False
+
+
+def stuck_high(commanded_open: bool, since_s: float) -> bool:  # noqa: ARG001
+    return True
+
+
+def stalled(commanded_open: bool, since_s: float) -> bool:  # noqa: ARG001
+    return since_s >= TRAVEL_S and int((since_s - TRAVEL_S) / 0.1) % 2 == 0
+
+
+class Pins:
+    """A gripper on command output 0 and status input 0, in the emulator's time."""
+
+    def __init__(self, emulator: Emulator) -> None:
+        self.behaviour: Behaviour = healthy
+        self.commands = [False]
+        self._emulator = emulator
+
+    async def run(self) -> None:
+        changed_at_s, level = -1.0, False
+        while True:
+            truth = self._emulator.truth()
+            commanded_open = bool(truth["outputs"] & 1)
+            if commanded_open != self.commands[-1]:
+                self.commands.append(commanded_open)
+                changed_at_s = truth["time_s"]
+            wanted = self.behaviour(commanded_open, truth["time_s"] - changed_at_s)
+            if wanted != level:
+                level = wanted
+                self._emulator.tell(f"input 0 {int(level)}")
+            await asyncio.sleep(0.003)
+
+
+@asynccontextmanager
+async def gripper(config: CellConfig) -> AsyncIterator[tuple[LatchGripper, Pins]]:
+    with Emulator(config, "--clock-rate", "2") as emulator:
+        pins = Pins(emulator)
+        async with connected(emulator.config) as arm:
+            at_work = asyncio.create_task(pins.run())
+            try:
+                yield LatchGripper(arm, emulator.config), pins
+            finally:
+                at_work.cancel()
+                with suppress(asyncio.CancelledError):
+                    await at_work
+
+
+@pytest.fixture
+def impatient(config: CellConfig) -> CellConfig:
+    lines = config.gripper.model_copy(update={"travel_timeout_s": 0.8})
+    return config.model_copy(update={"gripper": lines})
+
+
+def test_opens_then_latches(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.unlatch()
+            assert pins.commands[-1] is True
+            await latch.latch()
+            assert pins.commands == [False, True, False]
+
+    asyncio.run(scenario())
+
+
+def test_a_latch_that_was_never_open_is_opened_first(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.latch()
+            assert pins.commands == [False, True, False]
+
+    asyncio.run(scenario())
+
+
+def test_a_silent_gripper_is_tried_again_and_then_a_fault(impatient: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(impatient) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = silent
+            with pytest.raises(CellFault) as caught:
+                await latch.latch()
+            assert caught.value.code == "gripper_silent"
+            assert "2 attempts" in caught.value.detail
+            assert pins.commands == [False, True, False, True, False]
+
+    asyncio.run(scenario())
+
+
+def test_a_second_attempt_may_succeed(impatient: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(impatient) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = lambda is_open, since_s: (
+                len(pins.commands) > 4 and healthy(is_open, since_s)
+            )
+            await latch.latch()
+            assert pins.commands == [False, True, False, True, False]
+
+    asyncio.run(scenario())
+
+
+def test_a_toggling_status_is_no_latch(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = stalled
+            with pytest.raises(CellFault) as caught:
+                await latch.latch()
+            assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_a_toggling_status_is_no_opening(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            pins.behaviour = stalled
+            with pytest.raises(CellFault) as caught:
+                await latch.unlatch()
+            assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_a_status_that_never_falls_is_no_opening(impatient: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(impatient) as (latch, pins):
+            pins.behaviour = stuck_high
+            await asyncio.sleep(0.1)
+            with pytest.raises(CellFault) as caught:
+                await latch.unlatch()
+            assert caught.value.code == "gripper_silent"
+            assert "stays high" in caught.value.detail
+
+    asyncio.run(scenario())
