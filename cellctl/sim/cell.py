@@ -63,7 +63,8 @@ class EmulatedCell:
         """Open the robot's ports and the conveyor's pseudo-terminal.
 
         Raises:
-            UsageError: an address is taken.
+            OSError: one of the robot's ports is taken.
+            UsageError: the conveyor's port is taken.
         """
         await self.robot.start()
         try:
