@@ -231,6 +231,8 @@ class Arm:
         if joints_rad == self.joints_rad:
             self._rest(duration_s)
             return
+        if not math.isfinite(sum(joints_rad)):
+            raise MotionError("a joint position is not a number")
         velocity = _rates(self.joints_rad, joints_rad, duration_s)
         self._check_joints(joints_rad, velocity)
         flange = self.kinematics.flange(joints_rad)
@@ -240,7 +242,7 @@ class Arm:
         speed_m_s = math.hypot(vx, vy, vz)
         if speed_m_s > self._tcp_speed_trip_m_s:
             raise MotionError("the TCP exceeds its speed limit")
-        if self._options.tcp_box_m is not None:
+        if self._options.tcp_box_m is not None and not isinstance(self._motion, JointBrake):
             self._check_box(pose)
         turn = rotation_vector(pose[:3, :3] @ self._pose[:3, :3].T)
         wx, wy, wz = (angle / duration_s for angle in turn)

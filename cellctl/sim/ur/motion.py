@@ -58,16 +58,20 @@ class JointBrake:
 
 
 class LineBrake:
-    """Deceleration of the TCP along the line and about the axis on which it moves (``stopl``)."""
+    """Deceleration of the TCP along the line and about the axis on which it moves (``stopl``).
+
+    Translation and rotation come to rest together; the one that takes longer sets the time, with
+    the same number for its deceleration in m/s2 or rad/s2, as URScript's default has it.
+    """
 
     scalable = False
 
     def __init__(
-        self, twist: Six, deceleration_m_s2: float, tcp: Floats, kinematics: Kinematics
+        self, twist: Six, deceleration: float, tcp: Floats, kinematics: Kinematics
     ) -> None:
-        speed = math.hypot(*twist[:3]) or math.hypot(*twist[3:])
+        speed = max(math.hypot(*twist[:3]), math.hypot(*twist[3:]))
         self._twist = twist
-        self._duration_s = speed / deceleration_m_s2
+        self._duration_s = speed / deceleration
         self._time_s = 0.0
         self._tcp = tcp
         self._kinematics = kinematics

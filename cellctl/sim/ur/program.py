@@ -17,7 +17,7 @@ from cellctl.sim.ur.motion import JointServo, JointSpeed, LineSpeed
 from cellctl.sim.ur.options import Six
 from cellctl.sim.ur.queries import QUERIES, solve
 from cellctl.sim.ur.script import Script
-from cellctl.sim.ur.trajectory import MotionError, Waypoint
+from cellctl.sim.ur.trajectory import MotionError, Waypoint, runs
 
 _STATE = 0
 _PROGRESS = 2
@@ -171,14 +171,14 @@ class ControlProgram:
         """Move through waypoints; ``announce`` reports each one when it is set out for."""
         arm = self._machine.arm
         yield from self._come_to_rest()
-        try:
-            trajectories = arm.planner.plan(arm.joints_rad, arm.tcp, waypoints)
-        except MotionError as error:
-            self._machine.trip_protective(str(error))
-            yield
-            return
         announced = -1
-        for trajectory in trajectories:
+        for run in runs(waypoints):
+            try:
+                trajectory = arm.planner.plan(arm.joints_rad, arm.tcp, run)
+            except MotionError as error:
+                self._machine.trip_protective(str(error))
+                yield
+                return
             arm.start(trajectory)
             while True:
                 reached = trajectory.waypoint.number

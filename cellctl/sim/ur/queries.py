@@ -70,7 +70,10 @@ def _target_waypoint(machine: Machine, window: Window) -> None:
 
 
 def _set_tcp(machine: Machine, window: Window) -> None:
-    machine.arm.set_tcp(window.six(0))
+    offset = window.six(0)
+    if not all(map(math.isfinite, offset)):
+        raise ProgramError("set_tcp: the pose is not a number")
+    machine.arm.set_tcp(offset)
 
 
 def _inverse_near(machine: Machine, window: Window) -> None:

@@ -193,9 +193,10 @@ class Robot:
     # Machine: what a program can do
 
     def trip_protective(self, cause: str) -> None:
-        """Make a protective stop."""
-        self.counters.protective_stops += 1
-        self.counters.last_error = cause
+        """Make a protective stop; one that is active only starts its waiting time anew."""
+        if not self.safety.protective:
+            self.counters.protective_stops += 1
+            self.counters.last_error = cause
         self.safety.trip_protective(cause)
         if self.options.protective_stop_program == "stop":
             self.end_program("protective stop")

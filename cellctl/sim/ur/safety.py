@@ -77,15 +77,11 @@ class Safety:
         self._protective_for_s = 0.0
 
     def press_emergency(self) -> None:
-        """The emergency stop button goes in: power is taken off the arm when it has braked."""
+        """The emergency stop button goes in. Power is for the caller to take off, at rest."""
         self.emergency = True
         self.protective = False
         self.popup = "Emergency stop"
         self._steps = []
-
-    def cut_power(self) -> None:
-        """The arm has come to rest under its brakes; power is off."""
-        self.robot_mode = RobotMode.POWER_OFF
 
     def release_emergency(self) -> None:
         """The button comes out. Power stays off."""

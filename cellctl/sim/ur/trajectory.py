@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import attrgetter
 from typing import Literal
 
 import numpy as np
@@ -50,6 +51,12 @@ class Waypoint:
     blend_m: float = 0.0
     number: int = 0
     """Its place in the program's path, for the progress that the program reports."""
+
+
+def runs(waypoints: Iterable[Waypoint]) -> Iterator[list[Waypoint]]:
+    """Waypoints of one kind in a row: there are no blends from one run to the next."""
+    for _, run in groupby(waypoints, key=attrgetter("kind")):
+        yield list(run)
 
 
 class Trajectory(ABC):
@@ -233,36 +240,21 @@ class Planner:
     options: UrOptions
     overlaps: int = 0
 
-    def plan(self, start_rad: Six, tcp: Floats, waypoints: Sequence[Waypoint]) -> list[Trajectory]:
-        """Trajectories through the waypoints; the arm rests between two of them.
-
-        Where lines follow joint movements or the other way round, the blend is left out.
+    def plan(self, start_rad: Six, tcp: Floats, run: Sequence[Waypoint]) -> Trajectory:
+        """A trajectory through waypoints that are all lines, or all joint movements.
 
         Raises:
-            MotionError: a target is out of reach or beyond a joint's limit.
+            MotionError: a target is beyond a joint's limit or not a number.
         """
-        if not all(math.isfinite(value) for w in waypoints for value in w.target):
+        if not all(math.isfinite(value) for w in run for value in w.target):
             raise MotionError("a target is not a number")
-        if not all(w.speed > 0.0 and w.acceleration > 0.0 for w in waypoints):
+        if not all(w.speed > 0.0 and w.acceleration > 0.0 for w in run):
             raise MotionError("a movement needs a speed and an acceleration")
-        trajectories: list[Trajectory] = []
-        rest = list(waypoints)
-        while rest:
-            count = next((i for i, w in enumerate(rest) if w.kind != rest[0].kind), len(rest))
-            run, rest = rest[:count], rest[count:]
-            if run[0].kind == "line":
-                trajectories.append(self._line(start_rad, tcp, run))
-                target = pose_matrix(run[-1].target) @ inverse_matrix(tcp)
-                end_rad = self.kinematics.joints(target, start_rad)
-                if rest and end_rad is None:
-                    raise MotionError("the end of a line is out of reach")
-                start_rad = end_rad or start_rad
-            else:
-                trajectories.append(self._joint(start_rad, tcp, run))
-                start_rad = run[-1].target
-        return trajectories
+        if run[0].kind == "line":
+            return self._line(start_rad, tcp, run)
+        return self._joint(start_rad, tcp, run)
 
-    def _line(self, start_rad: Six, tcp: Floats, run: list[Waypoint]) -> LineTrajectory:
+    def _line(self, start_rad: Six, tcp: Floats, run: Sequence[Waypoint]) -> LineTrajectory:
         start = self.kinematics.flange(start_rad) @ tcp
 
         def corner(waypoint: Waypoint) -> Floats:
@@ -280,7 +272,7 @@ class Planner:
             poses, kept, blends, tcp=tcp, kinematics=self.kinematics, options=self.options
         )
 
-    def _joint(self, start_rad: Six, tcp: Floats, run: list[Waypoint]) -> JointTrajectory:
+    def _joint(self, start_rad: Six, tcp: Floats, run: Sequence[Waypoint]) -> JointTrajectory:
         for waypoint in run:
             if not self.kinematics.within_limits(waypoint.target):
                 raise MotionError("a target is beyond a joint's position limit")
@@ -307,7 +299,7 @@ class Planner:
     def _without_overlaps(
         self,
         start: Floats,
-        run: list[Waypoint],
+        run: Sequence[Waypoint],
         corner: Callable[[Waypoint], Floats],
         reach: Callable[[Floats, Floats, Floats, float], float],
         distance: Callable[[Floats, Floats], float],

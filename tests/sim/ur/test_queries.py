@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import pytest
+from rtde_control import RTDEControlInterface
 
 from tests.sim.ur.harness import Clients, Emulator, distance_m, wait_until
 
+UPLOAD_SCRIPT = int(RTDEControlInterface.FLAG_UPLOAD_SCRIPT)
+UPPER_RANGE_REGISTERS = int(RTDEControlInterface.FLAG_UPPER_RANGE_REGISTERS)
 TCP = [0.0, 0.01, 0.15, 0.0, 0.1, 0.0]
 
 
@@ -137,6 +141,33 @@ def test_a_broken_output_is_not_noticed_by_the_controller(
     emulator.clear("flipped_output", "line=4")
     assert robot.io.setStandardDigitalOut(4, False)
     wait_until(lambda: emulator.truth()["outputs_at_plant"] == 0)
+
+
+def test_a_script_of_ones_own_runs_and_the_control_program_comes_back(robot: Clients) -> None:
+    assert robot.control.sendCustomScriptFunction("own", "textmsg(1)\n")
+    wait_until(robot.control.isProgramRunning)
+    assert robot.control.moveL(robot.lifted(0.01), 0.25, 1.2)
+
+
+def test_the_upper_registers_serve_as_well() -> None:
+    with Emulator() as other:
+        control = RTDEControlInterface(other.host, 500.0, UPLOAD_SCRIPT | UPPER_RANGE_REGISTERS)
+        assert control.setTcp(TCP)
+        assert control.getTCPOffset() == pytest.approx(TCP)
+        assert control.setWatchdog(10.0)
+        wait_until(lambda: other.truth()["watchdog"]["trips"] == 1)
+        control.disconnect()
+        del control
+
+
+def test_numbers_that_are_none_stop_the_arm_and_not_the_controller(
+    robot: Clients, emulator: Emulator
+) -> None:
+    joints = robot.receive.getActualQ()
+    robot.control.speedJ([math.nan, *([0.0] * 5)], 1.0)
+    wait_until(robot.receive.isProtectiveStopped)
+    assert robot.receive.getActualQ() == joints
+    assert "not a number" in emulator.truth()["safety_popup"]
 
 
 def test_unknown_faults_and_lines_are_refused_with_what_is_known(emulator: Emulator) -> None:

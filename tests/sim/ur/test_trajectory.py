@@ -31,12 +31,12 @@ def line(
 def follow(arm: Arm, waypoints: list[Waypoint]) -> tuple[list[Six], list[float]]:
     """TCP poses and speeds of every step until the arm is at rest."""
     poses, speeds = [arm.tcp_pose], [0.0]
-    for trajectory in arm.planner.plan(arm.joints_rad, arm.tcp, waypoints):
-        arm.start(trajectory)
-        while arm.follows(trajectory):
-            arm.advance(STEP_S)
-            poses.append(arm.tcp_pose)
-            speeds.append(arm.tcp_speed_m_s)
+    trajectory = arm.planner.plan(arm.joints_rad, arm.tcp, waypoints)
+    arm.start(trajectory)
+    while arm.follows(trajectory):
+        arm.advance(STEP_S)
+        poses.append(arm.tcp_pose)
+        speeds.append(arm.tcp_speed_m_s)
     return poses, speeds
 
 
@@ -104,7 +104,7 @@ def test_a_turn_on_the_spot_and_a_turn_on_the_way_keep_their_speed_limit() -> No
     turned_and_moved = turned.copy()
     turned_and_moved[2, 3] += 0.1
     back = turned_and_moved @ pose_matrix((0.0, 0.0, 0.0, 0.0, 0.0, -1.0))
-    (trajectory,) = arm.planner.plan(
+    trajectory = arm.planner.plan(
         arm.joints_rad, arm.tcp, [spot, Waypoint("line", matrix_pose(back), 0.5, 2.0)]
     )
     arm.start(trajectory)
@@ -142,7 +142,7 @@ def test_a_target_beyond_a_joints_limit_is_refused_when_it_is_planned() -> None:
 def limited(**limits: object) -> str:
     """What the arm says when a line at 0.5 m/s meets its limits."""
     arm = Arm(UrOptions(**limits))  # type: ignore[arg-type]
-    (trajectory,) = arm.planner.plan(arm.joints_rad, arm.tcp, [line(arm, 0.0, 0.4, 0.3)])
+    trajectory = arm.planner.plan(arm.joints_rad, arm.tcp, [line(arm, 0.0, 0.4, 0.3)])
     with pytest.raises(MotionError) as caught:
         finish(arm, trajectory)
     return str(caught.value)
@@ -157,7 +157,7 @@ def test_limits_of_joints_and_tcp_stop_a_line() -> None:
 
 def test_a_line_out_of_reach_is_noticed_where_it_leaves_it() -> None:
     arm = Arm(UrOptions())
-    (trajectory,) = arm.planner.plan(arm.joints_rad, arm.tcp, [line(arm, 1.5, 0.0, 0.0)])
+    trajectory = arm.planner.plan(arm.joints_rad, arm.tcp, [line(arm, 1.5, 0.0, 0.0)])
     with pytest.raises(MotionError, match=r"reach|in the way|speed"):
         finish(arm, trajectory)
     assert math.dist(arm.tcp_pose[:3], (0.0, 0.0, 0.18)) < 1.5
