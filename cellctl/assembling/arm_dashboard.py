@@ -11,7 +11,13 @@ import time
 from typing import Literal
 
 from cellctl.assembling.arm import ArmIdentity
-from cellctl.assembling.arm_link import RUNNING, STOPPED, VIOLATION, Receiver, safety_fault
+from cellctl.assembling.arm_receiver import (
+    RUNNING,
+    STOPPED,
+    VIOLATION,
+    Receiver,
+    safety_fault,
+)
 from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 

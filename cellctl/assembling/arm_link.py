@@ -7,7 +7,6 @@ path through it (version 1.6.5):
   and a blocking movement cannot be stopped or watched.
 - After a lost connection its objects are broken for good (endless reconnects, stale values, an
   abort at exit), so they are never repaired: the process ends without running their destructors.
-- ``isConnected`` is not to be trusted; only a controller time that advances is.
 - ``stopL`` is used asynchronously only: its synchronous form brakes the joints, not the line.
 - A path call waits for the program without a time limit, and a constructor for up to 5 s, holding
   the interpreter. The daemon watches the arm process and kills it if it does not come back.
@@ -25,32 +24,23 @@ before leaves an arm at rest; whoever dies after leaves one that the watchdog st
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Generator, Sequence
+from typing import Any
 
 import rtde_control
 import rtde_io
-import rtde_receive
 
-from cellctl.assembling.arm import ArmState, Waypoint
+from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.arm_receiver import PLAYING, Receiver, Sample, safety_fault
 from cellctl.config import Joints, Pose, RobotSection, Vector
 from cellctl.errors import CellFault
 
-PLAYING = 2
-"""``runtime_state`` of a running program."""
-STOPPED = 1
-RUNNING = 7
-"""``robot_mode`` of an arm with power on and brakes released."""
 GATE_OPEN_FRACTION = 0.01
 """A speed slider below this is the gate, not somebody's choice: the pendant's ends at 1 %."""
 
 STOP_DECELERATION_M_S2 = 3.0
 """For a stop on request; from 1 m/s it takes 0.17 m."""
-REST_M_S = 0.002
 _KICK_PERIOD_S = 0.02
-_POLL_S = 0.005
-_LOST_AFTER_S = 1.0
-"""A controller time that stands still for so long (wall time) means a lost controller."""
 _GATE_TIMEOUT_S = 1.0
 """For the controller to show the speed slider (wall time)."""
 _OUTPUT_TIMEOUT_S = 1.0
@@ -60,153 +50,6 @@ _PROGRAM_GRACE_S = 0.1
 JOINT_ACCELERATION_RAD_S2 = 1.0
 _TOLERANCE = 1e-4
 """TCP (m, rad) and payload (kg, m) read back may differ by rounding only."""
-
-_VARIABLES = [
-    "timestamp",
-    "actual_q",
-    "actual_qd",
-    "actual_TCP_pose",
-    "actual_TCP_speed",
-    "actual_digital_input_bits",
-    "actual_digital_output_bits",
-    "robot_mode",
-    "runtime_state",
-    "safety_status_bits",
-    "target_speed_fraction",
-    "payload",
-]
-
-_PROTECTIVE, _SAFEGUARD = 1 << 2, 1 << 4
-_EMERGENCY = 1 << 5 | 1 << 6 | 1 << 7
-VIOLATION = 1 << 8 | 1 << 9
-
-
-class Sample(NamedTuple):
-    """One state of the controller."""
-
-    robot_time_s: float
-    joints_rad: Joints
-    joint_speed_rad_s: float
-    """Of the fastest joint."""
-    tcp_pose: Pose
-    tcp_speed_m_s: float
-    inputs: int
-    outputs: int
-    robot_mode: int
-    runtime_state: int
-    safety_bits: int
-    speed_fraction: float
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether nothing moves."""
-        return self.tcp_speed_m_s < REST_M_S and self.joint_speed_rad_s < REST_M_S
-
-    def state(self) -> ArmState:
-        """In the words of the rest of the cell."""
-        safety = "normal"
-        for bits, name in (
-            (_PROTECTIVE, "protective"),
-            (_SAFEGUARD, "safeguard"),
-            (VIOLATION, "fault"),
-            (_EMERGENCY, "emergency"),
-        ):
-            if self.safety_bits & bits:
-                safety = name
-        return ArmState(
-            robot_time_s=self.robot_time_s,
-            joints_rad=self.joints_rad,
-            tcp_pose=self.tcp_pose,
-            tcp_speed_m_s=self.tcp_speed_m_s,
-            moving=not self.at_rest,
-            program_running=self.runtime_state == PLAYING,
-            safety=safety,  # type: ignore[arg-type]  # one of the names above
-            powered=self.robot_mode == RUNNING,
-            digital_inputs=self.inputs & 0xFF,
-            digital_outputs=self.outputs & 0xFF,
-        )
-
-
-def safety_fault(sample: Sample) -> CellFault | None:
-    """The stop of the robot's own that a sample shows, the strongest first."""
-    bits = sample.safety_bits
-    if bits & _EMERGENCY:
-        return CellFault("emergency_stop")
-    if bits & VIOLATION:
-        return CellFault("protective_stop", "The controller reports a safety violation or fault.")
-    if bits & _PROTECTIVE:
-        return CellFault("protective_stop")
-    if bits & _SAFEGUARD:
-        return CellFault("safeguard_stop")
-    return None
-
-
-class Receiver:
-    """The controller's state.
-
-    Args:
-        robot: which controller.
-
-    Raises:
-        CellFault: ``robot_lost``.
-    """
-
-    def __init__(self, robot: RobotSection) -> None:
-        try:
-            self._receive: Any = rtde_receive.RTDEReceiveInterface(
-                robot.host, float(robot.rtde_frequency_hz), _VARIABLES
-            )
-        except RuntimeError as error:
-            raise CellFault("robot_lost", f"No state from {robot.host}: {error}.") from error
-        self._changed_at_s = time.monotonic()
-        self.sample = self._read()
-
-    def refresh(self) -> Sample:
-        """Take the newest state.
-
-        Raises:
-            CellFault: ``robot_lost``, when the controller's time stands still.
-        """
-        before, self.sample = self.sample, self._read()
-        now_s = time.monotonic()
-        if self.sample.robot_time_s != before.robot_time_s:
-            self._changed_at_s = now_s
-        elif now_s - self._changed_at_s > _LOST_AFTER_S:
-            raise CellFault("robot_lost", f"No new state for {_LOST_AFTER_S:.0f} s.")
-        return self.sample
-
-    def wait(self, wanted: Callable[[Sample], bool], timeout_s: float) -> bool:
-        """Wait, without kicking any watchdog, for a state; False on time-out (wall time).
-
-        Raises:
-            CellFault: ``robot_lost``.
-        """
-        deadline_s = time.monotonic() + timeout_s
-        while not wanted(self.refresh()):
-            if time.monotonic() > deadline_s:
-                return False
-            time.sleep(_POLL_S)
-        return True
-
-    def payload_kg(self) -> float:
-        """The payload that the controller reckons with."""
-        return float(self._receive.getPayload())
-
-    def _read(self) -> Sample:
-        receive = self._receive
-        return Sample(
-            robot_time_s=receive.getTimestamp(),
-            joints_rad=_six(receive.getActualQ()),
-            joint_speed_rad_s=max(abs(speed) for speed in receive.getActualQd()),
-            tcp_pose=_six(receive.getActualTCPPose()),
-            tcp_speed_m_s=sum(v * v for v in receive.getActualTCPSpeed()[:3]) ** 0.5,
-            inputs=receive.getActualDigitalInputBits(),
-            outputs=receive.getActualDigitalOutputBits(),
-            robot_mode=receive.getRobotMode(),
-            runtime_state=receive.getRuntimeState(),
-            safety_bits=receive.getSafetyStatusBits(),
-            speed_fraction=receive.getTargetSpeedFraction(),
-        )
 
 
 class Link:
@@ -391,11 +234,6 @@ def _refusal(error: RuntimeError) -> CellFault:
     if "control script" in text:
         return CellFault("program_stopped", "The controller did not start the control program.")
     return CellFault("robot_lost", text)
-
-
-def _six(values: Sequence[float]) -> tuple[float, float, float, float, float, float]:
-    a, b, c, d, e, f = values
-    return (a, b, c, d, e, f)
 
 
 def _minus(a: float, b: float) -> float:

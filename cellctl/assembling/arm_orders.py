@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 
-from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link, Sample
+from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link
 from cellctl.assembling.arm_messages import Follow, MoveJoints, WaitInput
+from cellctl.assembling.arm_receiver import Sample
 from cellctl.assembling.poses import distance
 from cellctl.errors import CellFault
 

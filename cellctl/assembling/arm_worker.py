@@ -24,7 +24,7 @@ from contextlib import suppress
 
 from cellctl.assembling import arm_orders
 from cellctl.assembling.arm_dashboard import Dashboard
-from cellctl.assembling.arm_link import RUNNING, Link, Receiver, safety_fault
+from cellctl.assembling.arm_link import Link
 from cellctl.assembling.arm_messages import (
     LINE_LIMIT_BYTES,
     ORDERS,
@@ -43,6 +43,7 @@ from cellctl.assembling.arm_messages import (
     WaitInput,
     encode,
 )
+from cellctl.assembling.arm_receiver import RUNNING, Receiver, safety_fault
 from cellctl.assembly import Value
 from cellctl.errors import CellFault
 

@@ -12,47 +12,25 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Sequence
-from typing import NamedTuple
-
-import numpy as np
 
 from cellctl.assembling.arm import Waypoint
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.kinematics import JOINT_SPEEDS_RAD_S, Kinematics, same_configuration
-from cellctl.assembling.obstacles import (
-    Body,
-    Obstacles,
-    Surroundings,
-    first_touched,
-    gripper_body,
-    highest_below,
-    part_body,
-)
-from cellctl.assembling.poses import Floats, Matrix, interpolate, to_matrix, to_pose
-from cellctl.assembling.timing import blend_chord, duration_s, leg_length_m
+from cellctl.assembling.kinematics import Kinematics, same_configuration
+from cellctl.assembling.obstacles import highest_below
+from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
+from cellctl.assembling.route_check import Leg, RouteChecker, Scene, Stance
+from cellctl.assembling.timing import duration_s
 from cellctl.assembly import Cell, Value
 from cellctl.config import CellConfig, Joints, Pose
 from cellctl.errors import PlanError
 
-_SAMPLE_M = 0.04
-"""Spacing of the poses at which reach and configuration are checked."""
-_JUMP_RAD = 1.0
-"""Joints that differ by more than this between two neighbouring samples change configuration."""
-_JOINT_SPEED_SHARE = 0.8
-"""How much of the joints' speed a route may use; the rest is for accelerating and blends."""
+__all__ = ["Route", "RoutePlanner", "Stance", "StepRoute"]
+
 _SAME_PLACE_M = 0.002
-_JOINT_STEP_RAD = math.radians(3.0)
+_SAME_TURN_RAD = 0.01
 _SLOW_BLEND_M = 0.002
 _BLEND_SHARE = 0.45
 """Largest share of a leg that one blend may use, so that two never overlap."""
-
-
-class Stance(NamedTuple):
-    """Where an arm is: what it reports, or what is predicted for it."""
-
-    tcp_pose: Pose
-    """In the base frame."""
-    joints_rad: Joints
 
 
 class Route(Value):
@@ -76,13 +54,6 @@ class StepRoute(Value):
     """Both movements, without the gripper's own time."""
 
 
-class _Leg(NamedTuple):
-    limit_m_s: float
-    """Greatest TCP speed at which every joint stays within its share."""
-    joints_rad: Joints
-    """Where the leg ends."""
-
-
 class RoutePlanner:
     """Plans and checks every movement of one cell. Pure: it moves nothing and asks nothing.
 
@@ -96,9 +67,7 @@ class RoutePlanner:
         self._grid = config.grid
         self._frames = Frames(config)
         self._kinematics = Kinematics(config.robot.model)
-        self._surroundings = Surroundings(config, self._frames)
-        self._gripper = gripper_body(config)
-        self._part = part_body(config)
+        self._checker = RouteChecker(config, self._frames, self._kinematics)
         home_rad = config.robot.home_rad
         self.home = Stance(self._tcp_of(home_rad), home_rad)
 
@@ -127,8 +96,8 @@ class RoutePlanner:
         Raises:
             PlanError: there is no such way.
         """
-        groups = self._surroundings.around(placed, part_at_station=True)
-        return self._route(start, self.pick_stance(), groups, self._bodies(carrying=False))
+        scene = self._checker.scene(placed, carrying=False)
+        return self._route(start, self.pick_stance(), scene)
 
     def to_cell(self, cell: Cell, placed: Collection[Cell], start: Stance | None = None) -> Route:
         """With a part in the gripper to its cell; from the pick station unless told otherwise.
@@ -143,9 +112,8 @@ class RoutePlanner:
         """
         if cell in placed:
             raise PlanError(f"{_name(cell)} is already occupied.")
-        groups = self._surroundings.around(placed, part_at_station=False)
-        goal = self.place_stance(cell)
-        return self._route(start or self.pick_stance(), goal, groups, self._bodies(carrying=True))
+        scene = self._checker.scene(placed, carrying=True)
+        return self._route(start or self.pick_stance(), self.place_stance(cell), scene)
 
     def to_home(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
         """From anywhere to where the arm rests.
@@ -153,8 +121,7 @@ class RoutePlanner:
         Raises:
             PlanError: there is no such way; ``check_joint_move`` may still allow turning joints.
         """
-        groups = self._surroundings.around(placed, part_at_station=not carrying)
-        return self._route(start, self.home, groups, self._bodies(carrying=carrying))
+        return self._route(start, self.home, self._checker.scene(placed, carrying=carrying))
 
     def retreat(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
         """Straight up from anywhere, until nothing that stands is as high.
@@ -162,7 +129,6 @@ class RoutePlanner:
         Raises:
             PlanError: something is in the way, or it is out of reach.
         """
-        groups = self._surroundings.around(placed, part_at_station=not carrying)
         top = max((cell.z + 1 for cell in placed), default=0) * self._pitch_m
         height_m = self._frames.cell_from_workspace[2, 3] + top + self._robot.clearance_m
         height_m += self._pitch_m if carrying else 0.0
@@ -170,7 +136,7 @@ class RoutePlanner:
         height_m = max(float(height_m), self._frames.height_m(here))
         up = self._frames.raised(here, height_m)
         goal = self._stance(up, "the place above", near=start.joints_rad)
-        return self._route(start, goal, groups, self._bodies(carrying=carrying))
+        return self._route(start, goal, self._checker.scene(placed, carrying=carrying))
 
     def step(self, cell: Cell, placed: Collection[Cell], previous: Cell | None = None) -> StepRoute:
         """What one placement takes: from where the arm put the previous part (or home) to the pick
@@ -211,16 +177,7 @@ class RoutePlanner:
             PlanError: it leaves the arm's reach or configuration, is too fast for a joint, or
                 touches something; the message says where.
         """
-        groups = self._surroundings.around(placed, part_at_station=not carrying)
-        legs = self._legs(start, [waypoint.pose for waypoint in path])
-        for waypoint, leg in zip(path, legs, strict=True):
-            if waypoint.speed_m_s > leg.limit_m_s * 1.001:
-                raise PlanError(
-                    f"{waypoint.speed_m_s:.2f} m/s is too fast for the arm's joints on the way to "
-                    f"{self._where(to_matrix(waypoint.pose))} (at most {leg.limit_m_s:.2f} m/s)."
-                )
-        self._check_sweeps(start.tcp_pose, path, groups, self._bodies(carrying=carrying))
-        return Stance(path[-1].pose, legs[-1].joints_rad) if path else start
+        return self._checker.check(start, path, self._checker.scene(placed, carrying=carrying))
 
     def check_joint_move(
         self, start: Stance, target_rad: Joints, placed: Collection[Cell], *, carrying: bool
@@ -228,43 +185,29 @@ class RoutePlanner:
         """Check a movement in joint space, in which all joints start and end together.
 
         Returns:
-            The largest distance that a joint turns, in radians.
+            The largest angle that a joint turns, in radians.
 
         Raises:
             PlanError: it touches something on the way.
         """
-        groups = self._surroundings.around(placed, part_at_station=not carrying)
-        bodies = self._bodies(carrying=carrying)
-        way = np.subtract(target_rad, start.joints_rad)
-        largest_rad = float(np.max(np.abs(way)))
-        steps = max(1, math.ceil(largest_rad / _JOINT_STEP_RAD))
-        poses = [
-            self._frames.tcp(self._kinematics.forward(_joints(start.joints_rad, way, i / steps)))
-            for i in range(steps + 1)
-        ]
-        for before, after in itertools.pairwise(poses):
-            touched = first_touched(groups, bodies, before, after)
-            if touched is not None:
-                raise PlanError(f"Turning the joints there would touch {touched}.")
-        return largest_rad
+        scene = self._checker.scene(placed, carrying=carrying)
+        return self._checker.check_joint_move(start, target_rad, scene)
 
-    def _route(
-        self, start: Stance, goal: Stance, groups: tuple[Obstacles, ...], bodies: tuple[Body, ...]
-    ) -> Route:
+    def _route(self, start: Stance, goal: Stance, scene: Scene) -> Route:
         """Up, across, down: the largest blends that keep clear, at the lowest height."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
-        height_m = self._crossing_height_m(here, there, groups, bodies)
+        height_m = self._crossing_height_m(here, there, scene)
         corners = self._corners(here, there, height_m)
         if not corners:
             return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
         square = self._waypoints(corners)
-        legs = self._legs(start, [waypoint.pose for waypoint in square])
+        legs = self._checker.legs(start, [waypoint.pose for waypoint in square])
         slowed = _slowed(square, legs)
         refused: PlanError | None = None
         for blend_m in (self._robot.blend_radius_m, self._robot.clearance_m, 0.0):
             path = _blended(start.tcp_pose, slowed, blend_m, self._robot.approach_speed_m_s)
             try:
-                self._check_sweeps(start.tcp_pose, path, groups, bodies)
+                self._checker.check_sweeps(start.tcp_pose, path, scene)
             except PlanError as error:
                 refused = refused or error
                 continue
@@ -277,47 +220,49 @@ class RoutePlanner:
         assert refused is not None
         raise refused
 
-    def _crossing_height_m(
-        self,
-        here: Matrix,
-        there: Matrix,
-        groups: tuple[Obstacles, ...],
-        bodies: tuple[Body, ...],
-    ) -> float:
+    def _crossing_height_m(self, here: Matrix, there: Matrix, scene: Scene) -> float:
         lowest_m = max(self._frames.height_m(here), self._frames.height_m(there))
-        if _sideways_m(here, there) < _SAME_PLACE_M:
+        if _stacked(here, there):
             return lowest_m
         top_m = highest_below(
-            groups,
-            bodies,
+            scene.obstacles,
+            scene.bodies,
             here,
             there,
             margin_m=self._robot.clearance_m,
             cell_from_base=self._frames.cell_from_base,
         )
-        hanging_m = max(body.high[2] for body in bodies)
+        hanging_m = max(body.high[2] for body in scene.bodies)
         return max(lowest_m, top_m + self._robot.clearance_m + hanging_m)
 
     def _corners(self, here: Matrix, there: Matrix, height_m: float) -> list[tuple[Matrix, bool]]:
         """Corners of the path, and whether the leg that leads to each is slow."""
         slow_m = self._robot.approach_height_m
         corners: list[tuple[Matrix, bool]] = []
-        if _sideways_m(here, there) >= _SAME_PLACE_M:
-            rise_m = height_m - self._frames.height_m(here)
-            if rise_m > 2.0 * slow_m:
-                rest = self._frames.raised(here, self._frames.height_m(here) + slow_m)
-                corners += [(rest, True), (self._frames.raised(here, height_m), False)]
-            elif rise_m > _SAME_PLACE_M:
-                corners.append((self._frames.raised(here, height_m), True))
+        if not _stacked(here, there):
+            corners += self._climb(here, height_m)
             corners.append((self._frames.raised(there, height_m), False))
             here = corners[-1][0]
         fall_m = self._frames.height_m(here) - self._frames.height_m(there)
+        if fall_m < 0.0:
+            return corners + self._climb(here, self._frames.height_m(there))
         if fall_m > 2.0 * slow_m:
             near = self._frames.raised(there, self._frames.height_m(there) + slow_m)
             corners.append((near, False))
-        if abs(fall_m) > _SAME_PLACE_M / 2:
+        if fall_m > _SAME_PLACE_M / 2:
             corners.append((there, True))
         return corners
+
+    def _climb(self, here: Matrix, height_m: float) -> list[tuple[Matrix, bool]]:
+        """Straight up: slowly off whatever is touched, then fast."""
+        slow_m = self._robot.approach_height_m
+        begun_m = self._frames.height_m(here)
+        if height_m - begun_m > 2.0 * slow_m:
+            clear = self._frames.raised(here, begun_m + slow_m)
+            return [(clear, True), (self._frames.raised(here, height_m), False)]
+        if height_m - begun_m > _SAME_PLACE_M / 2:
+            return [(self._frames.raised(here, height_m), True)]
+        return []
 
     def _waypoints(self, corners: Sequence[tuple[Matrix, bool]]) -> tuple[Waypoint, ...]:
         robot = self._robot
@@ -329,69 +274,6 @@ class RoutePlanner:
             )
             for matrix, slow in corners
         )
-
-    def _legs(self, start: Stance, poses: Sequence[Pose]) -> list[_Leg]:
-        """Follow the straight legs from pose to pose with the joints.
-
-        Raises:
-            PlanError: a pose is out of reach, or the arm's configuration would change.
-        """
-        legs = []
-        before, joints_rad = start.tcp_pose, start.joints_rad
-        for pose in poses:
-            samples = self._leg_joints(before, joints_rad, pose)
-            limit_m_s = _speed_limit_m_s(leg_length_m(before, pose), joints_rad, samples)
-            legs.append(_Leg(limit_m_s, samples[-1]))
-            before, joints_rad = pose, samples[-1]
-        return legs
-
-    def _leg_joints(self, start: Pose, joints_rad: Joints, end: Pose) -> list[Joints]:
-        """Joint positions along a straight leg, each near the one before."""
-        a, b = to_matrix(start), to_matrix(end)
-        steps = max(1, math.ceil(leg_length_m(start, end) / _SAMPLE_M))
-        samples: list[Joints] = []
-        near = joints_rad
-        for i in range(1, steps + 1):
-            pose = interpolate(a, b, i / steps)
-            found = self._kinematics.inverse(self._frames.flange(pose), near)
-            if found is None:
-                raise PlanError(f"The arm does not reach {self._where(pose)}.")
-            jump_rad = max(abs(one - two) for one, two in zip(found, near, strict=True))
-            if jump_rad > _JUMP_RAD or not same_configuration(found, joints_rad):
-                raise PlanError(
-                    f"The arm would have to change its configuration at {self._where(pose)}."
-                )
-            samples.append(found)
-            near = found
-        return samples
-
-    def _check_sweeps(
-        self,
-        start: Pose,
-        path: Sequence[Waypoint],
-        groups: tuple[Obstacles, ...],
-        bodies: tuple[Body, ...],
-    ) -> None:
-        """Check what the bodies sweep on every leg and across every blend.
-
-        Raises:
-            PlanError: they touch something.
-        """
-        before = start
-        for i, waypoint in enumerate(path):
-            ways = [(before, waypoint.pose)]
-            if waypoint.blend_radius_m > 0.0 and i + 1 < len(path):
-                ways.append(blend_chord(before, waypoint, path[i + 1].pose))
-            for begin, end in ways:
-                touched = first_touched(groups, bodies, to_matrix(begin), to_matrix(end))
-                if touched is not None:
-                    what = "part it carries" if len(bodies) > 1 else "empty gripper"
-                    raise PlanError(f"The {what} would touch {touched}.")
-            before = waypoint.pose
-
-    def _where(self, tcp: Matrix) -> str:
-        x, y, z = (self._frames.cell_from_base @ tcp)[:3, 3]
-        return f"({x:.3f}, {y:.3f}, {z:.3f}) m of the cell"
 
     def _stance(self, tcp: Matrix, what: str, near: Joints | None = None) -> Stance:
         """The stance of the home configuration at a TCP pose."""
@@ -406,21 +288,8 @@ class RoutePlanner:
     def _tcp_of(self, joints_rad: Joints) -> Pose:
         return to_pose(self._frames.tcp(self._kinematics.forward(joints_rad)))
 
-    def _bodies(self, *, carrying: bool) -> tuple[Body, ...]:
-        return (self._gripper, self._part) if carrying else (self._gripper,)
 
-
-def _speed_limit_m_s(length_m: float, start: Joints, samples: Sequence[Joints]) -> float:
-    """Greatest speed along a leg at which no joint is faster than its share."""
-    if length_m <= 0.0:
-        return math.inf
-    stations = np.array([start, *samples])
-    per_metre = np.max(np.abs(np.diff(stations, axis=0)), axis=0) * len(samples) / length_m
-    limits = _JOINT_SPEED_SHARE * np.array(JOINT_SPEEDS_RAD_S)
-    return float(np.min(limits / np.maximum(per_metre, 1e-9)))
-
-
-def _slowed(path: Sequence[Waypoint], legs: Sequence[_Leg]) -> tuple[Waypoint, ...]:
+def _slowed(path: Sequence[Waypoint], legs: Sequence[Leg]) -> tuple[Waypoint, ...]:
     """The same path, slow enough on every leg for every joint."""
     return tuple(
         waypoint.model_copy(update={"speed_m_s": min(waypoint.speed_m_s, leg.limit_m_s)})
@@ -444,13 +313,11 @@ def _blended(
     return tuple(blended)
 
 
-def _sideways_m(here: Matrix, there: Matrix) -> float:
-    return math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])
-
-
-def _joints(start: Joints, way: Floats, share: float) -> Joints:
-    a, b, c, d, e, f = (float(s + share * w) for s, w in zip(start, way, strict=True))
-    return (a, b, c, d, e, f)
+def _stacked(here: Matrix, there: Matrix) -> bool:
+    """Whether one pose is straight above the other."""
+    apart_m = math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])
+    _, turned_rad = distance(to_pose(here), to_pose(there))
+    return apart_m < _SAME_PLACE_M and turned_rad < _SAME_TURN_RAD
 
 
 def _name(cell: Cell) -> str:

@@ -46,6 +46,7 @@ def published_flange(model: str, joints_rad: Joints) -> np.ndarray:
     return flange
 
 
+@settings(deadline=None)  # a shared machine has no deadlines
 @given(pose)
 def test_pose_survives_the_way_through_a_matrix(value: Pose) -> None:
     assert to_pose(to_matrix(value)) == pytest.approx(value, abs=1e-7)
@@ -58,6 +59,7 @@ def test_half_a_turn_keeps_its_axis(axis: tuple[float, float, float]) -> None:
     assert back == pytest.approx(half_turn, abs=1e-12)
 
 
+@settings(deadline=None)
 @given(pose, pose)
 def test_interpolation_meets_both_ends_and_turns_evenly(a: Pose, b: Pose) -> None:
     start, end = to_matrix(a), to_matrix(b)
@@ -69,6 +71,7 @@ def test_interpolation_meets_both_ends_and_turns_evenly(a: Pose, b: Pose) -> Non
 
 
 @pytest.mark.parametrize("kinematics", MODELS, ids=lambda k: k.model)
+@settings(deadline=None)
 @given(values=joints)
 def test_forward_agrees_with_the_published_parameters(
     kinematics: Kinematics, values: Joints
@@ -78,7 +81,7 @@ def test_forward_agrees_with_the_published_parameters(
 
 
 @pytest.mark.parametrize("kinematics", MODELS, ids=lambda k: k.model)
-@settings(max_examples=300)
+@settings(max_examples=300, deadline=None)
 @given(values=joints)
 def test_inverse_near_a_position_is_that_position(kinematics: Kinematics, values: Joints) -> None:
     flange = kinematics.forward(values)
