@@ -6,6 +6,7 @@ listens to the daemon, and is resumed a few milliseconds later with a fresh stat
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Generator
 
 from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link
@@ -17,12 +18,36 @@ from cellctl.errors import CellFault
 _ARRIVED_M = 0.0015
 _ARRIVED_RAD = 0.002
 _STALLED_S = 0.5
-"""At rest away from the target for so long (robot time): the movement has ended early."""
+"""At rest away from the target for so long: the movement has ended early."""
 _STOP_TIMEOUT_S = 5.0
-"""For coming to rest after a stop (robot time)."""
+"""For coming to rest after a stop."""
 _SETTLED_S = 0.02
 """A state this much younger (robot time) than an order shows what came of it."""
 _TIMEOUT_MARGIN_S = 2.0
+
+
+class _Patience:
+    """Runs out when both the robot's clock and this computer's have run for so long.
+
+    So neither an emulated robot that is faster than time nor a computer that was held up ends a
+    movement that is well.
+    """
+
+    def __init__(self, link: Link, limit_s: float) -> None:
+        self._link = link
+        self._limit_s = limit_s
+        self.renew()
+
+    def renew(self) -> None:
+        """Begin again."""
+        self._robot_s = self._link.sample.robot_time_s
+        self._wall_s = time.monotonic()
+
+    @property
+    def over(self) -> bool:
+        """Whether it has run out."""
+        robot_s = self._link.sample.robot_time_s - self._robot_s
+        return min(robot_s, time.monotonic() - self._wall_s) > self._limit_s
 
 
 def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, None, None]:
@@ -76,9 +101,10 @@ def stop(link: Link) -> Generator[None, None, None]:
     """
     link.brake()
     begun_s = link.sample.robot_time_s
+    patience = _Patience(link, _STOP_TIMEOUT_S)
     # The newest state may be older than the order to brake, and show an arm that still stands.
     while link.sample.robot_time_s - begun_s < _SETTLED_S or not link.sample.at_rest:
-        if link.sample.robot_time_s - begun_s > _STOP_TIMEOUT_S:
+        if patience.over:
             raise CellFault("motion_timeout", "The arm does not come to rest.")
         yield
     link.open_gate()
@@ -98,7 +124,9 @@ def _arrive(
     link: Link, arrived: Callable[[Sample], bool], timeout_s: float
 ) -> Generator[None, None, None]:
     """Wait until the arm rests at its target."""
-    begun_s = last_under_way_s = link.sample.robot_time_s
+    begun_s = link.sample.robot_time_s
+    whole = _Patience(link, timeout_s + _TIMEOUT_MARGIN_S)
+    stalled = _Patience(link, _STALLED_S)
     while True:
         yield
         sample = link.sample
@@ -106,8 +134,8 @@ def _arrive(
             return
         link.check()
         if not sample.at_rest or link.under_way():
-            last_under_way_s = sample.robot_time_s
-        elif sample.robot_time_s - last_under_way_s > _STALLED_S:
+            stalled.renew()
+        elif stalled.over:
             raise CellFault("program_stopped", "The arm came to rest before its target.")
-        if sample.robot_time_s - begun_s > timeout_s + _TIMEOUT_MARGIN_S:
+        if whole.over:
             raise CellFault("motion_timeout")

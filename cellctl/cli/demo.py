@@ -263,13 +263,19 @@ def summarise(
         table.add_row("[bold]world[/]", f"what stands {match}")
     for violation in report["violations"]:
         table.add_row("[bold red]held against it[/]", violation["kind"], violation["message"])
+    total = report["seconds_total"]
     if report["seconds_per_part"] is not None:
         table.add_row(
             "[bold]time[/]",
-            f"{report['seconds_per_part']:.1f} s a part, {report['seconds_total']:.0f} s in all",
+            f"{report['seconds_per_part']:.1f} s a part"
+            + (f", {total:.0f} s in all" if total else ""),
             f"cell time; {report['wall_seconds']:.0f} s of yours",
         )
-    table.add_row("[bold]says[/]", report["message"])
+    fault = report["fault"]
+    if fault is not None:
+        table.add_row("[bold red]fault[/]", fault["entry"]["title"], fault["detail"])
+    if report["message"]:
+        table.add_row("[bold]says[/]", report["message"])
     if picture is not None:
         table.add_row("[bold]picture[/]", str(picture))
     if file is not None:

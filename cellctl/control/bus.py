@@ -15,6 +15,7 @@ import zmq.asyncio
 from pydantic import ValidationError
 
 from cellctl.clock import Clock
+from cellctl.endpoints import listened_on
 from cellctl.errors import ConfigError
 from cellctl.messages import (
     MAX_ATTACHMENT,
@@ -62,6 +63,8 @@ class Bus:
         self._router.setsockopt(zmq.MAXMSGSIZE, MAX_ATTACHMENT)
         for name, socket in (("status", self._pub), ("control", self._router)):
             try:
+                if listened_on(self._endpoints[name]):
+                    raise zmq.ZMQError(zmq.EADDRINUSE)
                 socket.bind(self._endpoints[name])
             except zmq.ZMQError as error:
                 raise ConfigError(

@@ -50,10 +50,9 @@ def question(job: Job, pitch_m: float) -> str:
     parts = f"{plan.parts} part{'s' if plan.parts != 1 else ''}"
     time = f", about {_duration(sum(known))}" if len(known) == len(plan.steps) else ""
     changes = "".join(f" {change.what}" for change in plan.changes)
+    title = plan.title[:1].upper() + plan.title[1:]
     asked = "".join(f" {text}" for text in plan.questions)
-    return (
-        f"{plan.title.capitalize()}, {sizes} cm, {parts}{time}.{changes}{asked} Shall I build it?"
-    )
+    return f"{title}, {sizes} cm, {parts}{time}.{changes}{asked} Shall I build it?"
 
 
 def finished(job: Job) -> str:

@@ -137,6 +137,8 @@ class ConveyorEmulator:
     def __init__(self, world: BeltWorld, config: CellConfig) -> None:
         assert config.emulation is not None, "an emulated cell has an [emulation] table"
         self._world = world
+        # The host answers in wall time, so the window grows with the clock.
+        self._silence_s = SILENCE_S * max(1.0, config.cell.clock_rate)
         self._port = PseudoTerminal(Path(config.feeder.port))
         self._random = random.Random(config.emulation.seed)  # noqa: S311 - repeatable chance
         self._faults = ActiveFaults()
@@ -298,7 +300,7 @@ class ConveyorEmulator:
 
     def _turn(self, motion: _Motion, dt_s: float) -> None:
         self._memory.unheard_s += dt_s
-        if self._memory.unheard_s >= SILENCE_S:
+        if self._memory.unheard_s >= self._silence_s:
             self._stop(ErrorCode.SILENCE)
             return
         if self._faults.get(Stall):

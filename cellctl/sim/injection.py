@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 from collections.abc import Callable
 
 import zmq
@@ -11,6 +10,7 @@ import zmq.asyncio
 from pydantic import ValidationError
 
 from cellctl.assembly import Value
+from cellctl.endpoints import listened_on
 from cellctl.errors import CellctlError, UsageError
 from cellctl.sim.cell import EmulatedCell
 from cellctl.sim.messages import (
@@ -30,8 +30,6 @@ from cellctl.sim.messages import (
     Shutdown,
 )
 from cellctl.sim.pace import SimClock
-
-_IPC = "ipc://"
 
 
 class InjectionServer:
@@ -55,7 +53,7 @@ class InjectionServer:
             UsageError: the end point is taken or malformed.
         """
         hint = "Is another emulated cell running? Stop it, or choose another end point."
-        if endpoint.startswith(_IPC) and _is_listened_on(endpoint.removeprefix(_IPC)):
+        if listened_on(endpoint):
             raise UsageError(f"emulation.control = {endpoint!r}: is in use.", hint)
         try:
             self._socket.bind(endpoint)
@@ -117,13 +115,3 @@ class InjectionServer:
             case Shutdown():
                 self._shut_down()
         return None
-
-
-def _is_listened_on(path: str) -> bool:
-    """Whether somebody listens on a Unix socket; ZeroMQ would take it away from them."""
-    with socket.socket(socket.AF_UNIX) as probe:
-        try:
-            probe.connect(path)
-        except OSError:
-            return False
-        return True

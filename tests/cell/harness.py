@@ -50,15 +50,21 @@ class RunningCell:
             self.listen()
 
     def listen(self) -> None:
-        """Take in what the status stream says now, and a little of what comes."""
+        """Take in the next status message, or wait a little for one."""
         for message in self.client.messages(_POLL_S):
             self.seen.append(message)
-            if message.topic in {"state", "job", "fault", "part"}:
-                return
+            return
 
     def wait_state(self, *states: str) -> Snapshot:
         """Wait until the machine is in one of these states."""
         return self.wait(f"state {states}", lambda snapshot: snapshot.state.state in states)
+
+    def wait_mid_place(self) -> Snapshot:
+        """Wait until the arm is under way with a part."""
+        return self.wait(
+            "an arm that moves a part",
+            lambda now: now.state.state == "assembling_placing" and now.arm.tcp_speed_m_s > 0.05,
+        )
 
     def finish(self) -> JobData:
         """Wait until the job has ended."""
@@ -90,6 +96,22 @@ class RunningCell:
         assert set(truth.built) == set(plan.assembly.cells)
         assert truth.violations == ()
         assert sum(truth.counts.values()) == self.config.feeder.capacity_parts
+
+    def bring_back(self) -> None:
+        """Whatever state a test left, mend the cell, end the job and take everything out."""
+        for fault in self.truth().faults:
+            self.world.clear(fault)
+        state = self.client.snapshot().state.state
+        if state.startswith("fault"):
+            if state != "fault_recovering":
+                self.client.command("reset")
+            state = self.wait_state("paused_resting", "fault_held", "fault_stopped").state.state
+        if state != "idle":
+            self.client.command("stop")
+            if self.wait_state("paused_resting", "idle").state.state == "paused_resting":
+                self.client.command("cancel")
+            self.wait_state("idle")
+        self.clear_workspace()
 
     def clear_workspace(self) -> None:
         """A person takes everything out and says so."""

@@ -22,7 +22,7 @@ def cell() -> Iterator[RunningCell]:
 def idle(cell: RunningCell) -> Iterator[RunningCell]:
     cell.seen.clear()
     yield cell
-    cell.clear_workspace()
+    cell.bring_back()
 
 
 def begin(cell: RunningCell, height: int = 2) -> None:
@@ -55,7 +55,7 @@ def test_pause_waits_for_a_safe_point_and_resume_goes_on(idle: RunningCell) -> N
 
 def test_stop_brakes_at_once_and_keeps_the_part(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait("a part on its way", lambda now: now.state.state == "assembling_placing")
+    idle.wait_mid_place()
     idle.visitor.command("stop")
     snapshot = idle.wait_state("paused_resting")
     assert snapshot.gripper.holding == "part"

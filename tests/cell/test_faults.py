@@ -23,7 +23,7 @@ def idle(cell: RunningCell) -> Iterator[RunningCell]:
     """An idle cell, and afterwards proof that the same daemon still builds."""
     cell.seen.clear()
     yield cell
-    cell.clear_workspace()
+    cell.bring_back()
     begin(cell)
     assert cell.finish().outcome == "built"
     assert len(cell.truth().built) == 2
@@ -73,7 +73,7 @@ def test_an_empty_belt(idle: RunningCell) -> None:
 
 def test_a_jammed_belt(idle: RunningCell) -> None:
     begin(idle, height=3)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("belt_jam")
     expect_fault(idle, "belt_jam")
     idle.world.clear("belt_jam")
@@ -101,7 +101,7 @@ def test_a_gripper_that_reports_a_fault(idle: RunningCell) -> None:
 
 def test_a_protective_stop_in_mid_place(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("protective_stop")
     expect_fault(idle, "protective_stop")
     assert idle.client.snapshot().gripper.holding == "part"
@@ -112,7 +112,7 @@ def test_a_protective_stop_in_mid_place(idle: RunningCell) -> None:
 
 def test_an_emergency_stop_in_mid_place(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("emergency_stop")
     expect_fault(idle, "emergency_stop")
     idle.client.command("reset")
@@ -124,7 +124,7 @@ def test_an_emergency_stop_in_mid_place(idle: RunningCell) -> None:
 
 def test_a_safeguard_stop_in_mid_place(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("safeguard_stop")
     expect_fault(idle, "safeguard_stop")
     idle.world.clear("safeguard_stop")
@@ -134,7 +134,7 @@ def test_a_safeguard_stop_in_mid_place(idle: RunningCell) -> None:
 
 def test_a_lost_connection_in_mid_place(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("drop_connections")
     expect_fault(idle, "robot_lost")
     reset_and_resume(idle)
@@ -143,7 +143,7 @@ def test_a_lost_connection_in_mid_place(idle: RunningCell) -> None:
 
 def test_a_killed_program_in_mid_place(idle: RunningCell) -> None:
     begin(idle)
-    idle.wait_state("assembling_placing")
+    idle.wait_mid_place()
     idle.world.inject("kill_program")
     expect_fault(idle, "program_stopped")
     reset_and_resume(idle)

@@ -27,7 +27,7 @@ def cell() -> Iterator[RunningCell]:
 def idle(cell: RunningCell) -> Iterator[RunningCell]:
     cell.seen.clear()
     yield cell
-    cell.clear_workspace()
+    cell.bring_back()
 
 
 def spoken(text: str, folder: Path) -> tuple[str, bytes]:

@@ -113,9 +113,10 @@ def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:
     asyncio.run(exercise())
 
 
-def test_a_second_daemon_on_the_same_end_points_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["tcp", "ipc"])
+def test_a_second_daemon_on_the_same_end_points_is_refused(tmp_path: Path, kind: str) -> None:
     async def exercise() -> None:
-        endpoint = f"tcp://127.0.0.1:{free_port()}"
+        endpoint = f"tcp://127.0.0.1:{free_port()}" if kind == "tcp" else f"ipc://{tmp_path}/s"
         first = Bus(endpoint, f"ipc://{tmp_path}/a", SystemClock())
         second = Bus(endpoint, f"ipc://{tmp_path}/b", SystemClock())
         try:
