@@ -70,6 +70,7 @@ class Link:
         found = receiver.sample.speed_fraction
         self.speed_fraction = found if found >= GATE_OPEN_FRACTION else speed_fraction
         self._kicked_at_s = 0.0
+        self._longest_pause_s = 0.0
         self._not_playing_since_s: float | None = None
         try:
             self._io: Any = rtde_io.RTDEIOInterface(robot.host)
@@ -107,7 +108,11 @@ class Link:
     def guard(self) -> None:
         """Arm the controller's watchdog, which a program upload drops, and kick it."""
         self._control.setWatchdog(self._robot.watchdog_hz)
-        self._kick(time.monotonic())
+        self._kicked_at_s = time.monotonic()
+        self._longest_pause_s = 0.0
+        # What was seen of the program before its upload means nothing any more.
+        self._not_playing_since_s = None
+        self._kick(self._kicked_at_s)
 
     def tick(self) -> Sample:
         """Take the newest state, and kick the watchdog when it is time.
@@ -119,11 +124,17 @@ class Link:
         now_s = time.monotonic()
         if sample.runtime_state == PLAYING:
             self._not_playing_since_s = None
-            if now_s - self._kicked_at_s >= _KICK_PERIOD_S:
-                self._kick(now_s)
         elif self._not_playing_since_s is None:
             self._not_playing_since_s = now_s
+        # On a busy computer the newest state may still be from before an upload has ended: a
+        # program counts as ended, and is fed no more, only when it is seen so for a while.
+        if now_s - self._kicked_at_s >= _KICK_PERIOD_S and not self._ended(now_s):
+            self._kick(now_s)
         return sample
+
+    def _ended(self, now_s: float) -> bool:
+        since_s = self._not_playing_since_s
+        return since_s is not None and now_s - since_s > _PROGRAM_GRACE_S
 
     def check(self) -> None:
         """Raise what keeps the arm from moving.
@@ -133,9 +144,11 @@ class Link:
         """
         if (fault := safety_fault(self.sample)) is not None:
             raise fault
-        since_s = self._not_playing_since_s
-        if since_s is not None and time.monotonic() - since_s > _PROGRAM_GRACE_S:
-            raise CellFault("program_stopped")
+        if self._ended(time.monotonic()):
+            raise CellFault(
+                "program_stopped",
+                f"The longest pause in feeding its watchdog was {self._longest_pause_s:.3f} s.",
+            )
 
     def close_gate(self) -> Generator[None, None, None]:
         """Put the speed slider to 0 and wait until the controller shows it.
@@ -215,6 +228,7 @@ class Link:
 
     def _kick(self, now_s: float) -> None:
         self._control.kickWatchdog()
+        self._longest_pause_s = max(self._longest_pause_s, now_s - self._kicked_at_s)
         self._kicked_at_s = now_s
 
     def _refused(self, what: str) -> CellFault:
