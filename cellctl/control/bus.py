@@ -62,15 +62,18 @@ class Bus:
         self._router = self._context.socket(zmq.ROUTER)
         self._router.setsockopt(zmq.MAXMSGSIZE, MAX_ATTACHMENT)
         for name, socket in (("status", self._pub), ("control", self._router)):
+            endpoint = self._endpoints[name]
+            problem = "Address already in use" if listened_on(endpoint) else ""
             try:
-                if listened_on(self._endpoints[name]):
-                    raise zmq.ZMQError(zmq.EADDRINUSE)
-                socket.bind(self._endpoints[name])
+                if not problem:
+                    socket.bind(endpoint)
             except zmq.ZMQError as error:
+                problem = str(error.strerror)
+            if problem:
                 raise ConfigError(
-                    f"bus.{name} = {self._endpoints[name]!r} cannot be used: {error.strerror}.",
+                    f"bus.{name} = {endpoint!r} cannot be used: {problem}.",
                     "Another daemon may be running; stop it, or give this one other end points.",
-                ) from error
+                )
 
     def publish(self, data: StatusData, state: str) -> None:
         """Send one status message; never blocks."""

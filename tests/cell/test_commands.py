@@ -9,7 +9,7 @@ import pytest
 from cellctl.errors import RefusedError, UsageError
 from tests.cell.harness import RunningCell, bar, running_cell
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def cell() -> Iterator[RunningCell]:
 
 @pytest.fixture
 def idle(cell: RunningCell) -> Iterator[RunningCell]:
-    cell.seen.clear()
+    cell.begin_test()
     yield cell
     cell.bring_back()
 

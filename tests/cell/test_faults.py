@@ -9,7 +9,7 @@ import pytest
 from cellctl.errors import CATALOGUE, RefusedError
 from tests.cell.harness import RunningCell, bar, running_cell
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def cell() -> Iterator[RunningCell]:
 @pytest.fixture
 def idle(cell: RunningCell) -> Iterator[RunningCell]:
     """An idle cell, and afterwards proof that the same daemon still builds."""
-    cell.seen.clear()
+    cell.begin_test()
     yield cell
     cell.bring_back()
     begin(cell)

@@ -14,7 +14,7 @@ from cellctl.assembly import Cell
 from cellctl.listening.voice import speak_to_wav
 from tests.cell.harness import RunningCell, running_cell
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def cell() -> Iterator[RunningCell]:
 
 @pytest.fixture
 def idle(cell: RunningCell) -> Iterator[RunningCell]:
-    cell.seen.clear()
+    cell.begin_test()
     yield cell
     cell.bring_back()
 
