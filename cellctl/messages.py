@@ -50,6 +50,13 @@ class PartOutcome(Value):
     retries: int = 0
 
 
+Outcome = Literal[
+    "", "built", "cancelled", "declined", "unreadable", "no_object", "cannot_plan", "failed"
+]
+"""How a job ended; empty while it is under way. ``unreadable``: the recording or file cannot be
+used, or there is nothing to recognise speech with; ``failed``: a worker did not do its work."""
+
+
 class JobData(Value):
     """Topic ``job``: one wish, from the sentence to the last part."""
 
@@ -62,7 +69,7 @@ class JobData(Value):
     """Where ``resume`` goes on."""
     message: str = ""
     """What the visitor is told."""
-    outcome: Literal["", "built", "cancelled", "declined", "no_object", "cannot_plan"] = ""
+    outcome: Outcome = ""
     plan_id: str = ""
     parts_total: int = 0
     parts_placed: int = 0

@@ -20,8 +20,10 @@ OUTCOME_STATUS = {
     "built": ExitStatus.DONE,
     "cancelled": ExitStatus.DIFFERS,
     "declined": ExitStatus.DIFFERS,
+    "unreadable": ExitStatus.USAGE,
     "no_object": ExitStatus.NO_OBJECT,
     "cannot_plan": ExitStatus.CANNOT_PLAN,
+    "failed": ExitStatus.INTERNAL,
 }
 
 

@@ -30,7 +30,7 @@ from cellctl.messages import PartOutcome
 log = structlog.get_logger(__name__)
 
 _LIFT_SHARE = 0.7
-"""A part counts as lifted when the TCP has risen by this share of a voxel."""
+"""Once the TCP has risen by this share of a voxel, the station's sensor no longer sees its part."""
 _LIFT_POLL_S = 0.02
 _HOMING_SPEED_RAD_S = 0.6
 _GRIPPER_TIME_S = 0.5
@@ -165,11 +165,16 @@ class Builder:
                 )
             )
             try:
-                if self._lift_unchecked and not await self._lifted(move):
-                    await self._arm.stop()
-                    self._give_up_pick()
-                    return False
-                self._lift_unchecked = False
+                if self._lift_unchecked:
+                    await self._risen(move, _LIFT_SHARE * self._config.voxel.pitch_m)
+                    if (await self._belt.state()).part_present:
+                        await self._arm.stop()
+                        self._give_up_pick()
+                        return False
+                    self._lift_unchecked = False
+                # The next part comes in only when this one hangs higher than it is.
+                pitch_m = self._config.voxel.pitch_m
+                await self._risen(move, pitch_m + self._config.robot.clearance_m)
                 if job.placed + 1 < len(self._steps(job)) and not job.cancelling:
                     self._belt.request_part()
                 await move
@@ -248,15 +253,13 @@ class Builder:
             job.first_motion_s = self._clock.now_s()
         await self._arm.follow(route.path, route.duration_s)
 
-    async def _lifted(self, move: asyncio.Task[None]) -> bool:
-        """Whether the station is empty once the TCP has risen from it."""
-        base_m = self._routes.pick_stance().tcp_pose[2]
-        height_m = base_m + _LIFT_SHARE * self._config.voxel.pitch_m
+    async def _risen(self, move: asyncio.Task[None], height_m: float) -> None:
+        """Wait until the TCP is so far above the pick station, or the movement has ended."""
+        height_m += self._routes.pick_stance().tcp_pose[2]
         while not move.done() and self._state().tcp_pose[2] < height_m:
             await self._clock.sleep(_LIFT_POLL_S)
         if move.done():
             await move
-        return not (await self._belt.state()).part_present
 
     def _give_up_pick(self) -> None:
         """The part is still at the station: nothing is in the gripper, whatever it reports."""

@@ -22,17 +22,23 @@ from cellctl.control.building import Builder
 from cellctl.control.controller import Controller, Post
 from cellctl.control.job import Job, Phase
 from cellctl.control.states import Event, top_of
-from cellctl.errors import CellctlError, CellFault, NoObjectError
+from cellctl.errors import CellctlError, CellFault, ExitStatus, NoObjectError
 from cellctl.feeding.service import BeltService
 from cellctl.generating.design import design
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.request import read_request
-from cellctl.messages import GripperData, PartData, SpeechData, StateData, StatusData
+from cellctl.messages import GripperData, Outcome, PartData, SpeechData, StateData, StatusData
 from cellctl.validating.plan import plan_build, plan_file
 from cellctl.worker import WorkerProcess
 
 log = structlog.get_logger(__name__)
 
+_OUTCOMES: dict[ExitStatus, Outcome] = {
+    ExitStatus.USAGE: "unreadable",
+    ExitStatus.NO_OBJECT: "no_object",
+    ExitStatus.CANNOT_PLAN: "cannot_plan",
+}
+"""How a request ends that was refused with an error of this status."""
 _DEVICE_PATIENCE_S = 30.0
 """Longest time for which one device may keep a stop or a reset waiting (wall time)."""
 
@@ -142,7 +148,7 @@ class Cell:
         job = self.job
         if job is not None:
             job.message = str(error)
-            job.outcome = "no_object" if isinstance(error, NoObjectError) else "cannot_plan"
+            job.outcome = _OUTCOMES.get(error.exit_status, "failed")
 
     def changed(self, event: Event, before: str, after: str) -> None:
         """Keep the job's record in step with the machine, and tell everyone."""
@@ -189,6 +195,7 @@ class Cell:
                 job.message = sentences.cancelled(job)
             job.finished_s = self._clock.now_s()
             log.info("job ends", outcome=job.outcome, message=job.message)
+            structlog.contextvars.unbind_contextvars("job")
 
     # --- stages: devices ----------------------------------------------------------------------
 

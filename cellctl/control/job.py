@@ -5,11 +5,11 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from cellctl.assembly import BuildPlan, Request, Role, Step, Utterance
 from cellctl.control.states import Event
-from cellctl.messages import JobData, PartOutcome
+from cellctl.messages import JobData, Outcome, PartOutcome
 
 if TYPE_CHECKING:
     from cellctl.mesh import GeneratedMesh
@@ -37,9 +37,6 @@ class Grip(StrEnum):
     """The latch was told to open and has not confirmed it; the arm stands at the cell."""
 
 
-OutcomeName = Literal["", "built", "cancelled", "declined", "no_object", "cannot_plan"]
-
-
 @dataclass
 class Job:
     """The controller's record of one wish."""
@@ -55,7 +52,7 @@ class Job:
     """How many steps of the plan are done; also the index of the next one."""
     outcomes: list[PartOutcome] = field(default_factory=list)
     message: str = ""
-    outcome: OutcomeName = ""
+    outcome: Outcome = ""
     pausing: bool = False
     cancelling: bool = False
     end_of_speech_s: float | None = None

@@ -60,6 +60,12 @@ class Pins:
                 self._emulator.tell(f"input 0 {int(level)}")
             await asyncio.sleep(0.003)
 
+    async def shown(self, *, high: bool) -> None:
+        """Wait until the controller sees that level on the status line."""
+        async with asyncio.timeout(10):
+            while bool(self._emulator.truth()["inputs"] & 1) != high:
+                await asyncio.sleep(0.003)
+
 
 @asynccontextmanager
 async def gripper(config: CellConfig) -> AsyncIterator[tuple[LatchGripper, Pins]]:
@@ -155,7 +161,7 @@ def test_a_status_that_never_falls_is_no_opening(impatient: CellConfig) -> None:
     async def scenario() -> None:
         async with gripper(impatient) as (latch, pins):
             pins.behaviour = stuck_high
-            await asyncio.sleep(0.1)
+            await pins.shown(high=True)
             with pytest.raises(CellFault) as caught:
                 await latch.unlatch()
             assert caught.value.code == "gripper_silent"

@@ -35,6 +35,7 @@ class RunningCell:
     client: CellClient
     visitor: CellClient
     seen: list[StatusMessage] = field(default_factory=list)
+    patience_s: float = PATIENCE_S
     held_before: int = 0
     """Violations of earlier tests; the world never forgets."""
 
@@ -47,7 +48,7 @@ class RunningCell:
 
     def wait(self, what: str, holds: Callable[[Snapshot], bool]) -> Snapshot:
         """Wait until the snapshot is as wanted; keeps every status message on the way."""
-        deadline_s = time.monotonic() + PATIENCE_S
+        deadline_s = time.monotonic() + self.patience_s
         while True:
             snapshot = self.client.snapshot()
             if holds(snapshot):
@@ -103,7 +104,8 @@ class RunningCell:
         assert plan is not None
         truth = self.truth()
         assert set(truth.built) == set(plan.assembly.cells)
-        assert truth.violations[self.held_before :] == ()
+        held = truth.violations[self.held_before :]
+        assert not held, f"the world holds against the cell: {held}"
         assert sum(truth.counts.values()) == self.config.feeder.capacity_parts
 
     def bring_back(self) -> None:
@@ -130,11 +132,14 @@ class RunningCell:
 
 
 @contextmanager
-def running_cell(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[RunningCell]:
+def running_cell(
+    speed: float = 10.0, patience_s: float = PATIENCE_S, **sections: dict[str, Any]
+) -> Iterator[RunningCell]:
     """An emulated cell and a daemon, idle, with the confirmation waived.
 
     Args:
         speed: cell seconds per wall second.
+        patience_s: how long to wait for anything (wall time).
         sections: settings to change, by section: ``robot={"model": "ur10"}``.
     """
     base = load_config(CONFIG)
@@ -154,7 +159,7 @@ def running_cell(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[Ru
             CellClient(own.bus.control, own.bus.status, Role.VISITOR) as visitor,
         ):
             client.subscribe()
-            cell = RunningCell(own, world, client, visitor)
+            cell = RunningCell(own, world, client, visitor, patience_s=patience_s)
             try:
                 wait_idle(client, daemon)
                 yield cell

@@ -105,7 +105,7 @@ def test_what_makes_no_sense_is_refused_with_a_reason(idle: RunningCell) -> None
     with pytest.raises(UsageError, match="empty"):
         idle.client.build("bar.json", b"")
     idle.client.build("bar.json", b"this is no plan")
-    assert idle.finish().outcome == "cannot_plan"
+    assert idle.finish().outcome == "unreadable"
 
 
 def test_pause_in_idle_holds_new_jobs_until_resumed(idle: RunningCell) -> None:

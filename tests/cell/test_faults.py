@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from cellctl.errors import CATALOGUE, RefusedError
+from cellctl.sim.world_values import Imperfections, ViolationKind
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -159,13 +160,42 @@ def test_a_silent_conveyor_board(idle: RunningCell) -> None:
     finish_as_planned(idle)
 
 
-def test_a_missed_pick_is_tried_again_and_is_no_fault(idle: RunningCell) -> None:
+def test_a_latch_that_does_not_move(idle: RunningCell) -> None:
     idle.world.inject("gripper_stuck")
     begin(idle)
     expect_fault(idle, "gripper_silent")
     idle.world.clear("gripper_stuck")
     reset_and_resume(idle)
     finish_as_planned(idle)
+
+
+def test_a_part_that_lies_turned_is_missed_twice_and_then_a_fault(idle: RunningCell) -> None:
+    idle.world.inject("part_yawed")
+    begin(idle)
+    expect_fault(idle, "pick_missed")
+    assert idle.client.snapshot().gripper.holding == "nothing"
+    idle.world.clear("part_yawed")
+    reset_and_resume(idle)
+    assert idle.finish().outcome == "built"
+    assert len(idle.truth().built) == 2
+    held = idle.truth().violations[idle.held_before :]
+    assert {violation.kind for violation in held} == {ViolationKind.PICKED_NOTHING}
+
+
+def test_a_part_that_sticks_and_a_gap_on_the_belt_are_no_faults(idle: RunningCell) -> None:
+    idle.world.inject("part_missing")
+    idle.world.inject("part_sticky")
+    begin(idle)
+    finish_as_planned(idle)
+
+
+def test_an_imperfect_belt(idle: RunningCell) -> None:
+    rough = Imperfections(belt_slip=0.2, pitch_drift_m=0.02, missing_share=0.2, sticky_share=0.3)
+    idle.world.set_imperfections(rough, relay=True)
+    begin(idle, height=4)
+    assert idle.finish().outcome == "built"
+    idle.assert_as_planned()
+    idle.world.set_imperfections(Imperfections(), relay=True)
 
 
 def test_a_robot_that_refuses_the_connection(cell: RunningCell) -> None:

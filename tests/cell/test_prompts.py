@@ -112,6 +112,7 @@ def test_create_beauty_is_asked_to_be_restated(idle: RunningCell, tmp_path: Path
 def test_an_unreadable_recording(idle: RunningCell) -> None:
     idle.visitor.hear("broken.wav", b"RIFF and then nothing that is sound")
     job = idle.finish()
+    assert job.outcome == "unreadable"
     assert "wav" in job.message.lower()
 
 

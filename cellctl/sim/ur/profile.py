@@ -7,6 +7,9 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+_NOTHING = 1e-12
+"""A phase shorter than this is left out: its duration could not be told from rounding."""
+
 
 @dataclass(frozen=True)
 class Stretch:
@@ -45,7 +48,7 @@ class SpeedProfile:
         start = 0.0
         for i, stretch in enumerate(stretches):
             for length, speed, acceleration in _phases(stretch, speeds[i], speeds[i + 1]):
-                if length <= 0.0:
+                if length <= _NOTHING:
                     continue
                 self._phases.append(_Phase(time_s, start, speed, acceleration))
                 self._times.append(time_s)

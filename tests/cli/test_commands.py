@@ -1,0 +1,197 @@
+"""The command line as a person types it: what it prints, and the status it ends with."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+from cellctl.assembly import BuildPlan
+from cellctl.config import CellConfig, load_config
+from tests.cell.harness import CONFIG, running_cell
+
+TIMEOUT_S = 110.0
+
+
+def cellctl(*arguments: str, config: Path | None = CONFIG) -> subprocess.CompletedProcess[str]:
+    """Run the command with a configuration in its environment."""
+    environment = {k: v for k, v in os.environ.items() if k != "CELLCTL_CONFIG"}
+    if config is not None:
+        environment["CELLCTL_CONFIG"] = str(config)
+    return subprocess.run(
+        [sys.executable, "-m", "cellctl", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        env=environment,
+        check=False,
+    )
+
+
+def changed_config(folder: Path, **sections: dict[str, Any]) -> Path:
+    """The emulated cell's configuration with some settings changed, as a file."""
+    base = load_config(CONFIG)
+    updates = {
+        name: getattr(base, name).model_copy(update=values) for name, values in sections.items()
+    }
+    path = folder / "cell.toml"
+    data = base.model_copy(update=updates).model_dump(exclude_none=True)
+    path.write_text(tomli_w.dumps(CellConfig.model_validate(data).model_dump(exclude_none=True)))
+    return path
+
+
+def test_help_names_every_command() -> None:
+    done = cellctl("--help")
+    assert done.returncode == 0
+    for command in (
+        *("run", "sim", "demo", "plan", "say", "build", "status", "watch"),
+        *("pause", "resume", "stop", "cancel", "reset", "config"),
+    ):
+        assert f" {command} " in done.stdout
+
+
+def test_a_wrong_option_is_a_usage_error() -> None:
+    done = cellctl("status", "--confog", "x")
+    assert done.returncode == 2
+    assert "--confog" in done.stderr
+
+
+def test_config_check_says_right_or_what_is_wrong(tmp_path: Path) -> None:
+    done = cellctl("config", "check", str(CONFIG))
+    assert done.returncode == 0
+    assert "right" in done.stdout
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(CONFIG.read_text().replace("pitch_m", "pich_m"))
+    done = cellctl("config", "check", str(wrong))
+    assert done.returncode == 2
+    assert "voxel.pich_m: unknown key; did you mean voxel.pitch_m?" in done.stderr
+    assert str(wrong) in done.stderr
+
+
+def test_without_a_configuration_nothing_is_assumed() -> None:
+    done = cellctl("run", config=None)
+    assert done.returncode == 2
+    assert "$CELLCTL_CONFIG is not set" in done.stderr
+
+
+def test_plan_prints_a_plan_that_can_be_read_back(tmp_path: Path) -> None:
+    done = cellctl("plan", "the letter T")
+    assert done.returncode == 0
+    assert "letter T: 7 parts" in done.stdout
+    file = tmp_path / "plan.json"
+    done = cellctl("plan", "the letter T", "--json", "--output", str(file))
+    assert done.returncode == 0
+    assert BuildPlan.model_validate_json(done.stdout) == BuildPlan.model_validate_json(
+        file.read_text()
+    )
+    done = cellctl("plan", str(file))
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("wish", "status", "says"),
+    [
+        ("create beauty", 3, "beauty"),
+        ("a dragon", 4, "cannot design a dragon yet"),
+        ("missing.stl", 2, "no such file"),
+    ],
+)
+def test_plan_says_why_not(wish: str, status: int, says: str) -> None:
+    done = cellctl("plan", wish)
+    assert done.returncode == status
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_command_without_a_daemon_says_what_to_do(tmp_path: Path) -> None:
+    bus = {"status": f"ipc://{tmp_path}/s", "control": f"ipc://{tmp_path}/c"}
+    done = cellctl("stop", config=changed_config(tmp_path, bus=bus))
+    assert done.returncode == 1
+    assert "No cell answers" in done.stderr
+    assert "cellctl run" in done.stderr
+
+
+def demo(*arguments: str, config: Path = CONFIG) -> tuple[int, dict[str, Any], str]:
+    """Run the demonstration; its status, its report and what it printed."""
+    report = config.parent / "report.json" if config != CONFIG else None
+    if report is None:
+        raise AssertionError("give the demonstration a folder of its own")
+    done = cellctl("demo", "--speed", "10", "--report", str(report), *arguments, config=config)
+    assert "Traceback" not in done.stderr
+    return done.returncode, json.loads(report.read_text()), done.stdout
+
+
+@pytest.mark.wire
+def test_a_demonstration_tells_what_was_heard_planned_and_built(tmp_path: Path) -> None:
+    picture = tmp_path / "t.png"
+    status, report, said = demo(
+        "--say", "the letter T", "--picture", str(picture), config=changed_config(tmp_path)
+    )
+    assert status == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert report["heard"].lower().startswith("the letter t")
+    assert report["understood"]["attributes"]["glyph"] == "T"
+    assert sorted(report["built"]) == sorted(report["plan"]["assembly"]["cells"])
+    assert report["matches_plan"] is True
+    assert report["violations"] == []
+    assert report["seconds_per_part"] > 0
+    assert report["state"] == "idle"
+    assert "waived" in said
+    assert "part   7 of 7" in said
+
+
+@pytest.mark.wire
+@pytest.mark.parametrize(
+    ("wish", "status"), [("create beauty", 3), ("a dragon", 4)], ids=["beauty", "dragon"]
+)
+def test_a_demonstration_of_what_cannot_be_built(tmp_path: Path, wish: str, status: int) -> None:
+    ended, report, _ = demo("--say", wish, config=changed_config(tmp_path))
+    assert (ended, report["built"], report["state"]) == (status, [], "idle")
+
+
+@pytest.mark.wire
+def test_a_demonstration_with_a_broken_recording(tmp_path: Path) -> None:
+    wav = tmp_path / "broken.wav"
+    wav.write_bytes(b"not sound")
+    status, report, said = demo("--wav", str(wav), config=changed_config(tmp_path))
+    assert (status, report["heard"], report["built"]) == (2, "", [])
+    assert "wav" in said.lower()
+
+
+@pytest.mark.wire
+def test_a_demonstration_that_runs_out_of_parts_ends_in_a_fault(tmp_path: Path) -> None:
+    config = changed_config(tmp_path, feeder={"capacity_parts": 2})
+    status, report, said = demo("--say", "the letter T", config=config)
+    assert status == 5
+    assert report["state"].startswith("fault")
+    assert report["fault"]["entry"]["code"] in {"belt_jam", "belt_empty"}
+    assert len(report["built"]) == 2
+    assert report["fault"]["entry"]["remedy"][:20] in said
+
+
+@pytest.mark.wire
+def test_say_waits_for_the_end_and_tells_a_cancelled_job(tmp_path: Path) -> None:
+    with running_cell() as cell:
+        path = changed_config(tmp_path, bus=cell.config.bus.model_dump())
+        environment = {**os.environ, "CELLCTL_CONFIG": str(path)}
+        with subprocess.Popen(
+            [sys.executable, "-m", "cellctl", "say", "the letter T", "--wait"],
+            env=environment,
+            stdout=subprocess.DEVNULL,
+        ) as waiting:
+            cell.wait_state("assembling_placing")
+            cell.visitor.command("cancel")
+            assert waiting.wait(TIMEOUT_S) == 6
+        shown = cellctl("status", config=path)
+        assert shown.returncode == 0
+        assert "idle" in shown.stdout
+        assert json.loads(cellctl("status", "--json", config=path).stdout)["standing"]
+        refused = cellctl("say", "a stool", config=path)
+        assert refused.returncode == 2
+        assert "cellctl clear" in refused.stderr
