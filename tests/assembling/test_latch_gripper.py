@@ -63,7 +63,9 @@ class Pins:
     async def shown(self, *, high: bool) -> None:
         """Wait until the controller sees that level on the status line."""
         async with asyncio.timeout(10):
-            while bool(self._emulator.truth()["inputs"] & 1) != high:
+            while True:
+                if bool(self._emulator.truth()["inputs"] & 1) == high:
+                    return
                 await asyncio.sleep(0.003)
 
 
