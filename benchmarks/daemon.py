@@ -16,7 +16,7 @@ from pathlib import Path
 
 import psutil
 
-from cellctl.cli.demo import running_daemon, wait_idle
+from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
 from cellctl.listening.voice import speak_to_wav

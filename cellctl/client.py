@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from cellctl.assembly import Role
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.messages import (
+    MAX_ATTACHMENT,
     BuildCommand,
     Command,
     ConfirmCommand,
@@ -83,6 +84,11 @@ class CellClient:
             RefusedError: the daemon does not allow it now, or not to this role.
             UsageError: the daemon could not make sense of it.
         """
+        if attachment is not None and len(attachment) > MAX_ATTACHMENT:
+            raise UsageError(
+                f"The file has {len(attachment) / 1e6:.0f} MB; "
+                f"{MAX_ATTACHMENT / 1e6:.0f} MB are taken at most."
+            )
         request = ControlRequest(id=secrets.token_hex(8), role=self._role, body=body)
         frames = [request.model_dump_json().encode()]
         if attachment is not None:

@@ -134,9 +134,14 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="belt_jam",
         severity=Severity.HELD,
-        title="The conveyor moved but its parts did not.",
-        causes=("A part is wedged.", "The belt slips.", "The part sensor does not see the part."),
-        remedy="Free the parts on the belt, then reset and resume.",
+        title="No part came to the pick station, although there should be some on the belt.",
+        causes=(
+            "A part is wedged.",
+            "The belt slips.",
+            "Somebody took parts off the belt.",
+            "The part sensor does not see the part.",
+        ),
+        remedy="Free the parts on the belt, or put some on it, then reset and resume.",
     ),
     FaultEntry(
         code="belt_lost",
@@ -182,6 +187,13 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
             "Hold the part and open the latch with its output on the robot's pendant, "
             "then reset and resume."
         ),
+    ),
+    FaultEntry(
+        code="arm_moved",
+        severity=Severity.HELD,
+        title="The arm is not where it was left, and its gripper may hold a part.",
+        causes=("The arm was moved by hand while its gripper was opening or closing.",),
+        remedy="Bring the arm back with the robot's pendant, then reset and resume, or cancel.",
     ),
     FaultEntry(
         code="no_route",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 
 from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
 from cellctl.errors import FaultEntry
@@ -200,7 +200,7 @@ class StatusMessage(Value):
 
 
 class Snapshot(Value):
-    """The whole picture for one who joins late; ``seq`` says which message comes next."""
+    """The whole picture for one who joins late; ``seq`` is the last message it includes."""
 
     schema_version: Literal[1] = SCHEMA_VERSION
     seq: int
@@ -302,6 +302,5 @@ class ControlReply(Value):
     error: ReplyError | None = None
 
 
-REQUEST_ADAPTER: TypeAdapter[ControlRequest] = TypeAdapter(ControlRequest)
 OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear"})
 """Commands that a visitor may not give."""

@@ -92,7 +92,9 @@ class WorkerProcess:
             try:
                 async with asyncio.timeout(timeout_s):
                     connection = self._ensure_started()
-                    connection.send((function, arguments, progress is not None))
+                    # Large arguments wait for the worker to read them.
+                    call = (function, arguments, progress is not None)
+                    await asyncio.to_thread(connection.send, call)
                     kind, value = await self._answer(connection, progress)
                 finished = True
             except TimeoutError:
@@ -153,10 +155,10 @@ class WorkerProcess:
     def _kill(self) -> None:
         process, connection = self._process, self._connection
         self._process = self._connection = None
-        if connection is not None:
-            with contextlib.suppress(OSError):
-                connection.close()
         if process is not None:
             process.kill()
             process.join(_EXIT_PATIENCE_S)
             process.close()
+        if connection is not None:
+            with contextlib.suppress(OSError):
+                connection.close()

@@ -160,6 +160,9 @@ class ArmChild:
             self._lose(f"It was silent for {SILENCE_S:.0f} s.")
         except OSError as error:
             self._lose(f"Its socket failed: {error}.")
+        except ValueError as error:
+            # Also what pydantic and an over-long line raise.
+            self._lose(f"It sent what cannot be read: {error}.")
         else:
             self._lose("It ended by itself.")
 

@@ -189,11 +189,12 @@ class RemoteArm:
     async def _explain_loss(self, child: ArmChild, error: ChildLostError) -> CellFault:
         """Bury a lost arm process, and let a new one find out what the robot says."""
         async with self._changing:
-            if self._child is child or self._loss is None:
+            if self._child is child:
                 _log.error("arm_process_lost", reason=str(error))
                 await self._drop()
                 self._loss = await self._inspect(str(error))
-            return CellFault(self._loss.code, self._loss.detail)
+            loss = self._loss or CellFault("robot_lost", str(error))
+            return CellFault(loss.code, loss.detail)
 
     async def _inspect(self, how: str) -> CellFault:
         """End what the robot still runs, which a killed arm process cannot do any more, and see

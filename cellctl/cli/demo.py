@@ -8,12 +8,9 @@ says with what the world says.
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,12 +19,13 @@ from rich.console import Console
 from rich.table import Table
 
 from cellctl.assembly import Cell, Role
+from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.cli.following import follow_job
-from cellctl.client import CellClient, NoDaemonError
+from cellctl.client import CellClient
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError, ExitStatus
 from cellctl.messages import Snapshot
-from cellctl.sim.isolation import isolated, write_config
+from cellctl.sim.isolation import isolated
 from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
 from cellctl.sim.world_values import Where
@@ -43,64 +41,6 @@ class Wish:
     text: str | None
     """Typed or to be spoken; None when there is a recording."""
     wav: Path | None
-
-
-class DaemonProcess:
-    """``cellctl run`` as a process of its own.
-
-    Args:
-        process: the running process.
-        log: the file that its log goes to.
-    """
-
-    def __init__(self, process: subprocess.Popen[bytes], log: Path) -> None:
-        self.process = process
-        self._log = log
-
-    def log_tail(self, size: int = 4000) -> str:
-        """The end of its log."""
-        return self._log.read_text(errors="replace")[-size:]
-
-    def check(self) -> None:
-        """Make sure that it still runs.
-
-        Raises:
-            CellctlError: it does not.
-        """
-        if self.process.poll() is not None:
-            raise CellctlError(
-                f"The daemon ended by itself with status {self.process.returncode}.\n"
-                f"{self.log_tail()}"
-            )
-
-
-@contextmanager
-def running_daemon(config: CellConfig, folder: Path) -> Iterator[DaemonProcess]:
-    """Start a daemon in a process of its own, and always end it.
-
-    Raises:
-        CellctlError: it ended before it was asked to.
-    """
-    file, log = folder / "cell.toml", folder / "daemon.log"
-    write_config(config, file)
-    with log.open("wb") as sink:
-        process = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-m", "cellctl", "run", "--config", str(file)],
-            stdin=subprocess.DEVNULL,
-            stdout=sink,
-            stderr=sink,
-        )
-    daemon = DaemonProcess(process, log)
-    try:
-        yield daemon
-        daemon.check()
-    finally:
-        process.terminate()
-        try:
-            process.wait(_END_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
 
 
 def demonstrate(
@@ -183,30 +123,6 @@ def _difference(job: Any, name: str) -> float | None:
     if job is None or moment is None or job.end_of_speech_s is None:
         return None
     return round(float(moment) - float(job.end_of_speech_s), 2)
-
-
-def wait_idle(cell: CellClient, daemon: DaemonProcess) -> None:
-    """Wait until the cell has started.
-
-    Raises:
-        CellctlError: it does not, and why.
-    """
-    deadline_s = time.monotonic() + _START_PATIENCE_S
-    while True:
-        daemon.check()
-        try:
-            snapshot = cell.wait_ready(1.0)
-        except NoDaemonError:
-            if time.monotonic() > deadline_s:
-                raise
-            continue
-        if snapshot.state.state == "idle":
-            return
-        if snapshot.state.state.startswith("fault") or time.monotonic() > deadline_s:
-            entry = snapshot.fault.entry
-            reason = f"{entry.title} {snapshot.fault.detail}" if entry else "it takes too long"
-            raise CellctlError(f"The cell does not start: {reason}")
-        time.sleep(0.05)
 
 
 def _spoken(text: str, folder: Path, console: Console) -> Path:

@@ -11,7 +11,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from cellctl.client import CellClient
 from cellctl.errors import CellctlError, ExitStatus
-from cellctl.messages import FaultData, JobData, PartData, SpeechData, StateData, StatusMessage
+from cellctl.messages import (
+    FaultData,
+    HealthData,
+    JobData,
+    PartData,
+    SpeechData,
+    StateData,
+    StatusMessage,
+)
 
 _SILENCE_S = 15.0
 """A daemon sends a heartbeat each second; this long without one, it is gone (wall time)."""
@@ -124,6 +132,11 @@ def follow_job(
                 return ExitStatus.FAULT
             if isinstance(data, JobData) and data.job_id == job_id and data.outcome:
                 return OUTCOME_STATUS[data.outcome]
+            if isinstance(data, HealthData):
+                # The end may have come before the subscription did.
+                job = cell.snapshot().job
+                if job is not None and job.job_id == job_id and job.outcome:
+                    return OUTCOME_STATUS[job.outcome]
             if time.monotonic() > deadline_s:
                 raise CellctlError(f"The job did not end within {timeout_s:g} s.")
     raise CellctlError("The daemon has fallen silent.", "Look at its log.")

@@ -13,7 +13,7 @@ from cellctl.cli.options import ConfigOption, JsonOption, configuration
 from cellctl.config import CellConfig
 from cellctl.errors import NoObjectError, UsageError
 
-MESH_SUFFIXES = (".glb", ".stl", ".obj", ".ply", ".json")
+FILE_SUFFIXES = (".glb", ".gltf", ".stl", ".obj", ".ply", ".json")
 
 
 def make_plan(wish: str, config: CellConfig) -> BuildPlan:
@@ -29,11 +29,11 @@ def make_plan(wish: str, config: CellConfig) -> BuildPlan:
 
     inventory = config.limits.inventory_parts
     path = Path(wish)
-    if path.suffix.lower() in MESH_SUFFIXES:
+    if path.suffix.lower() in FILE_SUFFIXES:
         if not path.is_file():
             raise UsageError(f"{path}: there is no such file.")
         return plan_file(path.name, path.read_bytes(), config, inventory)
-    request = read_request(wish)
+    request = read_request(wish, config.voxel.pitch_m)
     if request.intent is not Intent.DESIGN:
         raise NoObjectError(request.reason)
     return plan_build(design(request, config), config, inventory)

@@ -96,7 +96,7 @@ def bus_page(note: str) -> str:
             "`snapshot` gives the whole picture to go on from.\n",
             "| topic | what | data |\n| --- | --- | --- |\n" + topics + "\n",
             "## Control\n",
-            "A ROUTER socket: connect a DEALER (or REQ without its empty frame) and send one "
+            "A ROUTER socket: connect a DEALER or a REQ and send one "
             "JSON frame ([schema](bus-request.schema.json)), followed by the bytes of the file "
             "for `hear` and `build`. Every request gets one reply "
             "([schema](bus-reply.schema.json)) with its `id`, and either a result or a typed "

@@ -8,6 +8,7 @@ anything twice and without dropping a part.
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -32,9 +33,19 @@ log = structlog.get_logger(__name__)
 _LIFT_SHARE = 0.7
 """Once the TCP has risen by this share of a voxel, the station's sensor no longer sees its part."""
 _LIFT_POLL_S = 0.02
-_HOMING_SPEED_RAD_S = 0.6
-_GRIPPER_TIME_S = 0.5
-"""Typical travel of the latch, for predictions (cell time)."""
+_STAYED_M = 0.005
+"""The arm counts as where it was left within this distance."""
+
+
+class _Report:
+    """What an act came to, where it did not simply succeed."""
+
+    def __init__(self) -> None:
+        self.reason = ""
+
+    def failed(self, reason: str) -> None:
+        """It did nothing, and that is no fault yet."""
+        self.reason = reason
 
 
 class Builder:
@@ -70,8 +81,10 @@ class Builder:
         self.grip = Grip.NOTHING
         self.standing: set[Cell] = set()
         """Cells of the workspace that hold a part."""
-        self._latch_open = False
+        self._opened = False
         """The gripper has confirmed that it is open since it last closed."""
+        self._release_cell: Cell | None = None
+        """Where the part goes that is being let go."""
         self._missed = False
         """The last pick left its part at the station; the arm hangs just above it, latched."""
         self._lift_unchecked = False
@@ -81,14 +94,36 @@ class Builder:
 
     # --- between jobs -------------------------------------------------------------------------
 
+    def begin(self) -> None:
+        """A new job: times and retries count from here."""
+        self._part_began_s, self._waited_s, self._retries = None, 0.0, 0
+
+    def settle_grip(self, job: Job) -> None:
+        """Decide what a cut-off latching or letting go came to, by the gripper's status line.
+
+        A confirmed latch holds its part, which the next job builds in. Without one, a part that
+        was being let go stands, and one that was being taken still lies at the station.
+        """
+        state = self._arm.state()
+        latched = state is not None and self._status_high(state)
+        if self.grip is Grip.LATCHING and not latched:
+            self.inventory.apply(Moved.MISS)
+            self.grip, self._missed = Grip.NOTHING, True
+        elif self.grip is Grip.RELEASING and not latched:
+            self._count_standing()
+            job.placed += 1
+        elif self.grip is Grip.LATCHING:
+            self.grip, self._lift_unchecked = Grip.PART, True
+        elif self.grip is Grip.RELEASING:
+            self.grip, self._release_cell = Grip.PART, None
+
     def check_at_start(self) -> None:
         """Refuse to begin with a gripper that may hold something nobody knows of.
 
         Raises:
             CellFault: ``gripper_holds``.
         """
-        state = self._state()
-        if state.digital_inputs >> self._config.gripper.status_input & 1:
+        if self._status_high(self._state()):
             raise CellFault("gripper_holds")
 
     def parts_available(self) -> int:
@@ -98,9 +133,9 @@ class Builder:
     def declare_clear(self) -> None:
         """An operator says that nothing stands any more; its parts are on the belt again."""
         act = self._journal.intend(ActKind.CLEAR, job_id="")
-        for _ in self.standing:
+        while self.standing:
             self.inventory.apply(Moved.TAKE_APART)
-        self.standing.clear()
+            self.standing.pop()
         self._journal.settle(act, "done")
 
     # --- the stages ---------------------------------------------------------------------------
@@ -111,8 +146,6 @@ class Builder:
         Raises:
             CellFault: of the belt or the gripper.
         """
-        if self.grip is Grip.RELEASING:
-            await self._let_go(job)
         if self.grip is not Grip.NOTHING:
             return
         began_s = self._clock.now_s()
@@ -125,30 +158,35 @@ class Builder:
         self._waited_s += self._clock.now_s() - began_s
         log.debug("part ready", step=step.index if step is not None else None)
 
-    async def pick(self, job: Job) -> None:
-        """Take the part at the station; at once when the gripper has one.
+    async def pick(self, job: Job) -> bool:
+        """Take the part at the station, at once when the gripper has one; False when none is there.
 
         Raises:
-            CellFault: of the arm or the gripper.
+            CellFault: of arm, belt or gripper.
         """
         if self.grip is Grip.PART:
-            return
+            return True
         if self._part_began_s is None:
             self._part_began_s = self._clock.now_s()
-        with self._act(ActKind.PICK, job):
+        with self._act(ActKind.PICK, job) as act:
             if self.grip is Grip.NOTHING:
-                if not self._latch_open and not self._missed:
+                if not self._is_open() and not self._missed:
                     await self._open()
                 await self._move(self._routes.to_pick, job)
-                if not self._latch_open:
+                if not self._is_open():
                     await self._open()
-                self.grip = Grip.LATCHING
-                self._latch_open = False
+                if not (await self._belt.state()).part_present:
+                    act.failed("No part lies at the station any more.")
+                    return False
                 self.inventory.apply(Moved.PICK)
+                self.grip = Grip.LATCHING
+            self._expect_at(self._routes.pick_stance())
+            self._opened = False
             await self._gripper.latch()
             self.grip = Grip.PART
             self._missed = False
             self._lift_unchecked = True
+        return True
 
     async def place(self, job: Job) -> bool:
         """Bring the part to its cell; False when the part stayed at the station.
@@ -158,7 +196,7 @@ class Builder:
         """
         step = job.step
         assert step is not None, "placing needs a step"
-        with self._act(ActKind.PLACE, job):
+        with self._act(ActKind.PLACE, job) as act:
             move = asyncio.create_task(
                 self._move(
                     lambda start, placed: self._routes.to_cell(step.cell, placed, start), job
@@ -169,13 +207,14 @@ class Builder:
                     await self._risen(move, _LIFT_SHARE * self._config.voxel.pitch_m)
                     if (await self._belt.state()).part_present:
                         await self._arm.stop()
+                        act.failed("The part stayed at the station.")
                         self._give_up_pick()
                         return False
                     self._lift_unchecked = False
                 # The next part comes in only when this one hangs higher than it is.
                 pitch_m = self._config.voxel.pitch_m
-                await self._risen(move, pitch_m + self._config.robot.clearance_m)
-                if job.placed + 1 < len(self._steps(job)) and not job.cancelling:
+                await self._risen(move, pitch_m + self._config.robot.clearance_m / 2)
+                if job.more_after_this and not job.cancelling:
                     self._belt.request_part()
                 await move
             finally:
@@ -192,8 +231,10 @@ class Builder:
         step = job.step
         assert step is not None, "letting go needs a step"
         with self._act(ActKind.RELEASE, job):
-            self.grip = Grip.RELEASING
-            await self._let_go(job)
+            self._expect_at(self._routes.place_stance(step.cell))
+            self.grip, self._release_cell = Grip.RELEASING, step.cell
+            await self._open()
+            self._count_standing()
         now_s = self._clock.now_s()
         began_s = self._part_began_s if self._part_began_s is not None else now_s
         outcome = PartOutcome(
@@ -226,18 +267,34 @@ class Builder:
 
     # --- inside -------------------------------------------------------------------------------
 
-    async def _let_go(self, job: Job) -> None:
-        """Open at the cell of the job's step, and count the part as standing there."""
-        await self._open()
-        self.grip = Grip.NOTHING
-        step = job.step
-        if step is not None:
-            self.standing.add(step.cell)
+    def _count_standing(self) -> None:
+        """The part that was let go stands at its cell."""
+        assert self._release_cell is not None, "letting go has a cell"
         self.inventory.apply(Moved.PLACE)
+        self.standing.add(self._release_cell)
+        self.grip, self._release_cell = Grip.NOTHING, None
 
     async def _open(self) -> None:
         await self._gripper.unlatch()
-        self._latch_open = True
+        self._opened = True
+
+    def _is_open(self) -> bool:
+        """Confirmed open, and still told to be: a stop of the robot may have dropped its output."""
+        output = self._config.gripper.command_output
+        return self._opened and bool(self._state().digital_outputs >> output & 1)
+
+    def _status_high(self, state: ArmState) -> bool:
+        return bool(state.digital_inputs >> self._config.gripper.status_input & 1)
+
+    def _expect_at(self, stance: Stance) -> None:
+        """The latch moves only where the arm was sent.
+
+        Raises:
+            CellFault: ``arm_moved``.
+        """
+        off_m = math.dist(self._state().tcp_pose[:3], stance.tcp_pose[:3])
+        if off_m > _STAYED_M:
+            raise CellFault("arm_moved", f"It is {off_m * 1000:.0f} mm from where it was left.")
 
     async def _move(self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job) -> None:
         """Plan a checked route from where the arm is, and follow it."""
@@ -278,13 +335,8 @@ class Builder:
             raise CellFault("robot_lost")
         return state
 
-    @staticmethod
-    def _steps(job: Job) -> tuple[object, ...]:
-        assert job.plan is not None, "a build has a plan"
-        return job.plan.steps
-
     @contextmanager
-    def _act(self, kind: ActKind, job: Job) -> Iterator[None]:
+    def _act(self, kind: ActKind, job: Job) -> Iterator[_Report]:
         """An intent before, an outcome after, whatever happens between."""
         step = job.step
         act = self._journal.intend(
@@ -293,12 +345,13 @@ class Builder:
             step.index if step is not None else None,
             step.cell if step is not None else None,
         )
+        report = _Report()
         try:
-            yield
+            yield report
         except asyncio.CancelledError:
             self._journal.settle(act, "interrupted")
             raise
         except Exception as error:
             self._journal.settle(act, "failed", str(error))
             raise
-        self._journal.settle(act, "done")
+        self._journal.settle(act, "failed" if report.reason else "done", report.reason)

@@ -109,6 +109,10 @@ class Bus:
         self, frames: list[bytes], handler: Handler, state: Callable[[], str]
     ) -> None:
         identity, body = frames[0], frames[1:]
+        envelope = [identity]
+        if body and not body[0]:
+            # A REQ socket puts an empty frame before its message, and wants one before the reply.
+            envelope.append(body.pop(0))
         try:
             request = ControlRequest.model_validate_json(body[0] if body else b"")
         except ValidationError as error:
@@ -122,7 +126,7 @@ class Bus:
             reply = await handler(request, body[1] if len(body) > 1 else None)
         assert self._router is not None
         with contextlib.suppress(zmq.ZMQError):  # the one who asked has gone
-            await self._router.send_multipart([identity, reply.model_dump_json().encode()])
+            await self._router.send_multipart([*envelope, reply.model_dump_json().encode()])
 
     def close(self) -> None:
         """Close both sockets; what was published is sent within 0.2 s."""

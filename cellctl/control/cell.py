@@ -104,7 +104,7 @@ class Cell:
     @property
     def active_job(self) -> Job | None:
         """The job under way; None when there is none or it has ended."""
-        return self.job if self.job is not None and not self.job.outcome else None
+        return self.job if self.job is not None and self.job.finished_s is None else None
 
     # --- what the request desk asks for -------------------------------------------------------
 
@@ -127,6 +127,7 @@ class Cell:
     def _begin(self, job: Job) -> None:
         job.end_of_speech_s = self._clock.now_s()
         self.job = job
+        self.builder.begin()
         structlog.contextvars.bind_contextvars(job=job.job_id)
         log.info("job begins", role=job.role)
 
@@ -182,7 +183,14 @@ class Cell:
             job.pausing = False
         if event is Event.CANCEL and top_of(after) == "assembling":
             job.cancelling = True
-        if after == "idle":
+        heard_in_vain = job.phase is Phase.HEARING and top_of(after) in {"paused", "fault"}
+        cancelled = event is Event.CANCEL and top_of(after) == "paused"
+        if cancelled:
+            self.builder.settle_grip(job)
+        if heard_in_vain:
+            job.outcome = "failed"
+            job.message = "I was interrupted; please say it again."
+        if after == "idle" or cancelled or heard_in_vain:
             if event is Event.COMPLETED:
                 done = job.step is None
                 job.outcome = "built" if done else "cancelled"
@@ -193,6 +201,7 @@ class Cell:
             elif event in {Event.CANCEL, Event.STOP}:
                 job.outcome = "cancelled"
                 job.message = sentences.cancelled(job)
+            self._audio = self._upload = None
             job.finished_s = self._clock.now_s()
             log.info("job ends", outcome=job.outcome, message=job.message)
             structlog.contextvars.unbind_contextvars("job")
@@ -255,6 +264,7 @@ class Cell:
         log.info("listening", name=name, recogniser=self.recogniser)
         with audio_file(wav) as path:
             utterance = await self._devices.hearing.hear_wav(path)
+        self._audio = None
         self._publish(SpeechData(utterance=utterance), self.controller.state)
         if not utterance.text:
             raise NoObjectError("I heard nothing that I could understand.", "Please say it again.")
@@ -365,8 +375,8 @@ class Cell:
         if job.pausing:
             post(Event.PAUSE_NOW)
             return
-        await self.builder.pick(job)
-        post(Event.PICKED)
+        picked = await self.builder.pick(job)
+        post(Event.PICKED if picked else Event.PICK_AGAIN)
 
     async def _place(self, post: Post) -> None:
         job = self._job()
@@ -399,6 +409,7 @@ class Cell:
         if job.pausing:
             post(Event.PAUSE_NOW)
             return
+        await self._devices.belt.halt()
         await self.builder.retreat(job)
         post(Event.COMPLETED)
 

@@ -24,10 +24,12 @@ from cellctl.messages import FaultData, StatusData
 log = structlog.get_logger(__name__)
 
 INBOX_LIMIT = 1_000
+"""Events that may wait; faults and stops are taken all the same."""
 _STAGE_END_PATIENCE_S = 5.0
 _LATER_LIMIT = 20
 _AT_ONCE = frozenset({"brake", "hold"})
-"""Stages that do not wait for the cancelled one to end: they are what ends it."""
+"""Stages that do not wait for the cancelled one to end, for they are what ends it; what they have
+to report waits for it instead."""
 
 STAGES: dict[str, str] = {
     "starting": "start",
@@ -129,7 +131,7 @@ class Controller:
         self._stages = stages
         self._publish = publish
         self._machine = CellMachine()
-        self._inbox: asyncio.Queue[Item] = asyncio.Queue(INBOX_LIMIT)
+        self._inbox: asyncio.Queue[Item] = asyncio.Queue()
         self._stage_number = 0
         self._stage_name: str | None = None
         self._stage_task: asyncio.Task[None] | None = None
@@ -185,12 +187,13 @@ class Controller:
             await self._end_stage()
 
     def _put(self, item: Item) -> None:
-        try:
+        urgent = item.event in FAULTS or item.event is Event.STOP
+        if self._inbox.qsize() < INBOX_LIMIT or urgent:
             self._inbox.put_nowait(item)
-        except asyncio.QueueFull:
-            log.exception("inbox full, event dropped", event_name=item.event)
-            if item.reply is not None:
-                item.reply.set_result(Decision("refused", self.state, "The cell is too busy."))
+            return
+        log.error("inbox full, event dropped", event_name=item.event)
+        if item.reply is not None:
+            item.reply.set_result(Decision("refused", self.state, "The cell is too busy."))
 
     def _consume(self, item: Item) -> None:
         if item.stage is not None and item.stage != self._stage_number:
@@ -207,12 +210,18 @@ class Controller:
         if item.event is Event.RECOVERED:
             self.latched = None
             self._publish(FaultData(), self.state)
-        if item.then is not None:
-            item.then()
-        self._enter(decision.state)
-        if item.event in FAULTS and self.latched is not None:
-            self._publish(self.latched.view(), self.state)
-        self._stages.changed(item.event, before, decision.state)
+        try:
+            if item.then is not None:
+                item.then()
+            self._enter(decision.state)
+            if item.event in FAULTS and self.latched is not None:
+                self._publish(self.latched.view(), self.state)
+            self._stages.changed(item.event, before, decision.state)
+        except Exception as error:
+            # The consumer must outlive every defect: without it nothing could be stopped.
+            log.exception("event failed", event_name=item.event, before=before)
+            if item.event not in FAULTS:
+                self.post_fault(CellFault("internal", f"{type(error).__name__}: {error}"))
 
     def _latch(self, fault: CellFault, during: str) -> None:
         if self.latched is None:
@@ -237,14 +246,22 @@ class Controller:
             )
 
     async def _run_stage(self, name: str, number: int, previous: asyncio.Task[None] | None) -> None:
+        posted: list[Item] = []
+        at_once = name in _AT_ONCE
+
         def post(event: Event, then: Callable[[], None] | None = None) -> None:
-            self._put(Item(event, stage=number, then=then))
+            item = Item(event, stage=number, then=then)
+            posted.append(item) if at_once else self._put(item)
 
         fault: CellFault | None = None
         try:
-            if previous is not None and name not in _AT_ONCE:
+            if previous is not None and not at_once:
                 await asyncio.wait({previous}, timeout=_STAGE_END_PATIENCE_S)
             await self._stages.run_stage(name, post)
+            if previous is not None and at_once:
+                await asyncio.wait({previous}, timeout=_STAGE_END_PATIENCE_S)
+            for item in posted:
+                self._put(item)
         except CellFault as error:
             fault = error
         except CellctlError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import signal
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -127,16 +126,32 @@ class Daemon:
             loop.add_signal_handler(number, stop.set)
         log.info("cellctl starts", version=__version__, cell=self.config.cell.name)
         try:
-            async with self.running():
+            async with self.running() as failed:
+                failed.add_done_callback(lambda _: stop.set())
                 await stop.wait()
+                if failed.done():
+                    failed.result()
         finally:
             for number in (signal.SIGTERM, signal.SIGINT):
                 loop.remove_signal_handler(number)
         log.info("cellctl ended")
 
     @asynccontextmanager
-    async def running(self) -> AsyncIterator[None]:
-        """Run the cell for as long as the context lasts."""
+    async def running(self) -> AsyncIterator[asyncio.Future[None]]:
+        """Run the cell for as long as the context lasts.
+
+        Yields:
+            A future that fails with whatever ends one of the daemon's own tasks: without any of
+            them the cell would look alive and not be.
+        """
+        failed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+        def watch(task: asyncio.Task[None]) -> None:
+            error = None if task.cancelled() else task.exception()
+            if error is not None and not failed.done():
+                log.error("task failed", task=task.get_name(), reason=repr(error))
+                failed.set_exception(error)
+
         self.bus.open()
         monitor = ArmMonitor(self.arm, self.clock, self.cell.controller, self._publish)
         async with AsyncExitStack() as stack:
@@ -154,8 +169,9 @@ class Daemon:
                 ("ears", self._warm_up_ears()),
             ):
                 task = asyncio.create_task(work, name=name)
+                task.add_done_callback(watch)
                 stack.push_async_callback(_end, task)
-            yield
+            yield failed
 
     async def _close_devices(self) -> None:
         await self.desk.close()
@@ -174,5 +190,4 @@ class Daemon:
 
 async def _end(task: asyncio.Task[None]) -> None:
     task.cancel()
-    with contextlib.suppress(asyncio.CancelledError):
-        await task
+    await asyncio.gather(task, return_exceptions=True)

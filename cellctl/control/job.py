@@ -66,8 +66,15 @@ class Job:
             return None
         return self.plan.steps[self.placed]
 
+    @property
+    def more_after_this(self) -> bool:
+        """Whether the plan has a step after the next one."""
+        return self.plan is not None and self.placed + 1 < len(self.plan.steps)
+
     def resume_event(self, grip: Grip) -> Event:
         """Which variant of ``resume`` goes on from here."""
+        if self.phase is Phase.HEARING:
+            return Event.RESUME_IDLE
         if self.phase is Phase.GENERATING:
             return Event.RESUME_GENERATING
         if self.phase is Phase.VALIDATING:

@@ -1,7 +1,6 @@
 """What the cell did: every physical act as an intent before it and an outcome after it.
 
-An act that has an intent and no outcome is what a crash or a stop leaves behind; whoever resumes
-must settle it before anything moves.
+An act that has an intent and no outcome is what a crash leaves behind.
 """
 
 from __future__ import annotations

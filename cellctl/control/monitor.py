@@ -12,6 +12,8 @@ from cellctl.errors import CellFault
 from cellctl.messages import ArmData, StatusData
 
 _PERIOD_S = 0.05
+_LOST_S = 2.0
+"""An arm that says nothing for so long while nobody moves it is lost."""
 _PUBLISH_MOVING_S = 0.2
 _PUBLISH_RESTING_S = 2.0
 
@@ -56,16 +58,21 @@ class ArmMonitor:
     async def run(self) -> None:
         """Watch until cancelled."""
         published_s = -_PUBLISH_RESTING_S
+        heard_s = self._clock.now_s()
         reported = ""
         while True:
             state = self._arm.state()
-            safety = state.safety if state is not None else "normal"
             watched = top_of(self._controller.state) not in {"starting", "fault"}
-            if safety == "normal" or not watched:
+            if state is not None or not watched:
+                heard_s = self._clock.now_s()
+            trouble = "" if state is None else _FAULTS.get(state.safety, "")
+            if self._clock.now_s() - heard_s > _LOST_S:
+                trouble = "robot_lost"
+            if not trouble or not watched:
                 reported = ""
-            elif safety != reported:
-                reported = safety
-                self._controller.post_fault(CellFault(_FAULTS[safety]))
+            elif trouble != reported:
+                reported = trouble
+                self._controller.post_fault(CellFault(trouble))
             moving = state is not None and state.moving
             period_s = _PUBLISH_MOVING_S if moving else _PUBLISH_RESTING_S
             now_s = self._clock.now_s()

@@ -12,7 +12,7 @@ from cellctl.assembly import Role, Utterance
 from cellctl.control.audio import audio_file
 from cellctl.control.cell import Cell
 from cellctl.control.states import Event
-from cellctl.errors import CellctlError, HearingError, RefusedError, UsageError
+from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import (
@@ -196,7 +196,7 @@ class RequestDesk:
                 log.info("heard while busy", text=utterance.text)
                 return
             await self._spoken_word(word, role)
-        except (RefusedError, HearingError) as error:
+        except CellctlError as error:
             log.info("heard while busy", name=name, reason=str(error))
 
     async def _spoken_word(self, word: str, role: Role) -> str:

@@ -153,7 +153,7 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.PART_NEAR, ["feeding_indexing"], "feeding_presenting"),
     (Event.PART_READY, leaves_of("feeding"), "assembling_picking"),
     (Event.PICKED, ["assembling_picking"], "assembling_placing"),
-    (Event.PICK_AGAIN, ["assembling_placing"], "feeding_indexing"),
+    (Event.PICK_AGAIN, ["assembling_picking", "assembling_placing"], "feeding_indexing"),
     (Event.PLACED, ["assembling_placing"], "assembling_verifying"),
     (Event.NEXT_PART_READY, ["assembling_verifying"], "assembling_picking"),
     (Event.NEXT_PART_AWAITED, ["assembling_verifying"], "feeding_indexing"),
@@ -161,21 +161,22 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.COMPLETED, ["assembling_retreating"], "idle"),
     # Pause at the next safe point; where nothing moves, that is now.
     (Event.PAUSE, _ASSEMBLING, None),
-    (Event.PAUSE_NOW, _ASSEMBLING, "paused_resting"),
+    (Event.PAUSE_NOW, _ASSEMBLING, "paused_braking"),
     (Event.PAUSE, ["idle", *leaves_of("generating", "validating")], "paused_resting"),
     (Event.PAUSE, leaves_of("feeding"), "paused_braking"),
     (Event.PAUSE, leaves_of("paused"), None),
     # Stop works from everywhere. With nothing under way there is nothing to hold.
-    (Event.STOP, [*_BEFORE_MOTION, *_ASSEMBLING], "paused_braking"),
+    (Event.STOP, [*_BEFORE_MOTION, *_ASSEMBLING, "paused_resting"], "paused_braking"),
     (Event.STOP, leaves_of("listening"), "idle"),
-    (Event.STOP, ["idle", *leaves_of("paused", "fault")], None),
+    (Event.STOP, ["idle", "paused_braking", *leaves_of("fault")], None),
     (Event.AT_REST, ["paused_braking"], "paused_resting"),
-    # Cancel ends the job and leaves what stands; a part on its way is placed first.
+    # Cancel ends the job and leaves what stands; a part on its way is placed first. Out of a pause
+    # or a stop only an operator's resume leads, with or without a job.
     (Event.CANCEL, leaves_of("listening", "generating", "validating"), "idle"),
     (Event.CANCEL, leaves_of("feeding"), "assembling_retreating"),
     (Event.CANCEL, _ASSEMBLING, None),
-    (Event.CANCEL, ["paused_resting"], "idle"),
-    (Event.CLEAR, ["idle", "paused_resting"], None),
+    (Event.CANCEL, ["paused_resting"], None),
+    (Event.CLEAR, ["idle"], None),
     # Only from rest, and only by a person.
     (Event.RESUME_IDLE, ["paused_resting"], "idle"),
     (Event.RESUME_STARTING, ["paused_resting"], "starting"),
@@ -216,7 +217,7 @@ _REFUSALS: dict[Event, str] = {
     Event.CONFIRM: "Nothing waits for a yes.",
     Event.DECLINE: "Nothing waits for a no.",
     Event.RESET: "There is no fault to reset.",
-    Event.CLEAR: "The workspace can be declared clear only when idle or paused.",
+    Event.CLEAR: "The workspace can be declared clear only when idle.",
 }
 _BUSY = {
     "starting": "The cell is still starting.",

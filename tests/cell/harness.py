@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cellctl.assembly import Assembly, Role
-from cellctl.cli.demo import running_daemon, wait_idle
+from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
 from cellctl.messages import JobData, Snapshot, StatusMessage
@@ -121,6 +121,7 @@ class RunningCell:
             self.client.command("stop")
             if self.wait_state("paused_resting", "idle").state.state == "paused_resting":
                 self.client.command("cancel")
+                self.client.command("resume")
             self.wait_state("idle")
         self.clear_workspace()
 

@@ -87,8 +87,16 @@ def test_a_part_that_a_cancelled_job_left_in_the_gripper_is_built_into_the_next(
     idle.wait("a part on its way", lambda now: now.gripper.holding == "part")
     idle.client.command("stop")
     idle.wait_state("paused_resting")
-    idle.client.command("cancel")
-    assert idle.finish().outcome == "cancelled"
+    idle.visitor.command("cancel")
+    job = idle.client.snapshot().job
+    assert job is not None
+    assert job.outcome == "cancelled"
+    with pytest.raises(RefusedError, match="only when idle"):
+        idle.client.command("clear")
+    with pytest.raises(RefusedError, match="paused"):
+        idle.visitor.say("the letter T")
+    idle.client.command("resume")
+    idle.wait_state("idle")
     begin(idle)
     assert idle.finish().outcome == "built"
     idle.assert_as_planned()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from cellctl.errors import CATALOGUE, RefusedError
+from cellctl.listening.voice import speak_to_wav
 from cellctl.sim.world_values import Imperfections, ViolationKind
 from tests.cell.harness import RunningCell, bar, running_cell
 
@@ -187,6 +189,32 @@ def test_a_part_that_sticks_and_a_gap_on_the_belt_are_no_faults(idle: RunningCel
     idle.world.inject("part_sticky")
     begin(idle)
     finish_as_planned(idle)
+
+
+def test_a_fault_while_listening_builds_nothing_afterwards(
+    idle: RunningCell, tmp_path: Path
+) -> None:
+    path = tmp_path / "wish.wav"
+    speak_to_wav("the letter T", path)
+    joints = idle.truth().robot["joints_rad"]
+    idle.visitor.hear(path.name, path.read_bytes())
+    idle.wait_state("listening_hearing")
+    idle.world.inject("safeguard_stop")
+    expect_fault(idle, "safeguard_stop")
+    idle.world.clear("safeguard_stop")
+    reset_and_resume(idle)
+    snapshot = idle.wait_state("idle")
+    assert snapshot.job is not None
+    assert snapshot.job.outcome == "failed"
+    assert idle.truth().robot["joints_rad"] == joints
+
+
+def test_a_robot_that_is_lost_while_idle_is_noticed(idle: RunningCell) -> None:
+    idle.world.inject("freeze")
+    expect_fault(idle, "robot_lost")
+    idle.world.clear("freeze")
+    reset_and_resume(idle)
+    idle.wait_state("idle")
 
 
 def test_an_imperfect_belt(idle: RunningCell) -> None:

@@ -83,7 +83,7 @@ def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, say
                 socket.connect(f"ipc://{tmp_path}/control")
                 await socket.send(frame)
                 async with asyncio.timeout(10):
-                    return ControlReply.model_validate_json(await socket.recv())
+                    return ControlReply.model_validate_json((await socket.recv_multipart())[-1])
             finally:
                 context.destroy(linger=0)
 
@@ -91,6 +91,23 @@ def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, say
     assert reply.error is not None
     assert reply.error.code == "invalid"
     assert says in reply.error.message
+
+
+def test_a_plain_req_socket_is_answered(tmp_path: Path) -> None:
+    async def exercise() -> ControlReply:
+        async with serving(tmp_path):
+            context = zmq.asyncio.Context()
+            socket = context.socket(zmq.REQ)
+            try:
+                socket.connect(f"ipc://{tmp_path}/control")
+                await socket.send(b'{"id": "7", "role": "visitor", "body": {"command": "stop"}}')
+                async with asyncio.timeout(10):
+                    return ControlReply.model_validate_json(await socket.recv())
+            finally:
+                context.destroy(linger=0)
+
+    reply = asyncio.run(exercise())
+    assert (reply.id, reply.ok) == ("7", True)
 
 
 def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:

@@ -141,7 +141,21 @@ def test_reset_clears_a_fault_to_paused_and_to_nothing_else() -> None:
 def test_pause_and_cancel_wait_for_the_next_safe_point(state: str) -> None:
     for event in (Event.PAUSE, Event.CANCEL):
         assert DECISIONS[state, event] == Decision("accepted", state)
-    assert DECISIONS[state, Event.PAUSE_NOW].state == "paused_resting"
+    assert DECISIONS[state, Event.PAUSE_NOW].state == "paused_braking"
+
+
+def test_only_a_resume_leads_out_of_a_pause_or_a_stop() -> None:
+    left = {
+        event
+        for event in Event
+        if top_of(DECISIONS["paused_resting", event].state) not in {"paused", "fault"}
+    }
+    assert left == {event for event in Event if event.value.startswith("resume_")}
+
+
+def test_the_workspace_is_declared_clear_only_between_jobs() -> None:
+    accepting = {state for state in LEAVES if DECISIONS[state, Event.CLEAR].verdict == "accepted"}
+    assert accepting == {"idle"}
 
 
 def test_a_missed_pick_is_no_fault() -> None:
