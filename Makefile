@@ -13,7 +13,7 @@ help: ## Show this list
 
 demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture and a report in out/
 	@mkdir -p out
-	@$(BIN)/cellctl demo --picture out/stool.png --report out/report.json
+	@$(BIN)/cellctl demo --speed 10 --picture out/stool.png --report out/report.json
 
 test: lint ## Lint, types, import layers and all tests but the long ones
 	@$(BIN)/pytest

@@ -35,6 +35,8 @@ def configure(
         processors.append(_forwarding(forward))
     if as_json:
         processors.append(structlog.processors.format_exc_info)
+    # Of refused events the machine's answer tells; the library's own warning adds nothing.
+    logging.getLogger("transitions").setLevel(logging.ERROR)
     structlog.configure(
         processors=[*processors, renderer],
         wrapper_class=structlog.make_filtering_bound_logger(

@@ -237,7 +237,7 @@ class Controller:
             return
         self._stage_name = name
         self._stage_number += 1
-        previous, self._stage_task = self._stage_task, None
+        previous = self._stage_task
         if previous is not None:
             previous.cancel()
         if name is not None:
