@@ -144,8 +144,8 @@ def running_cell(
         sections: settings to change, by section: ``robot={"model": "ur10"}``.
     """
     base = load_config(CONFIG)
-    # A slow window keeps a busy machine from stopping the arm; what the watchdog does is proven with
-    # the arm process alone.
+    # A slow window keeps a busy machine from stopping the arm; what the watchdog does is proven
+    # with the arm process alone.
     robot = {"watchdog_hz": 5.0, **sections.pop("robot", {})}
     changed = {"policy": {"confirmation": "waived"}, "robot": robot, **sections}
     updates = {
