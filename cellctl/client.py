@@ -18,6 +18,7 @@ from cellctl.assembly import Role
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.messages import (
     MAX_ATTACHMENT,
+    MAX_TEXT,
     BuildCommand,
     Command,
     ConfirmCommand,
@@ -122,7 +123,16 @@ class CellClient:
         return reply.snapshot
 
     def say(self, text: str) -> ControlReply:
-        """Give the cell typed words."""
+        """Give the cell typed words.
+
+        Raises:
+            UsageError: there are none, or more than ``MAX_TEXT`` characters.
+        """
+        if not text.strip() or len(text) > MAX_TEXT:
+            raise UsageError(
+                f"The sentence has {len(text)} characters; from 1 to {MAX_TEXT} are taken.",
+                'Say what to build in one sentence, for example "a simple stool".',
+            )
         return self.request(SayCommand(text=text))
 
     def hear(self, name: str, wav: bytes) -> ControlReply:

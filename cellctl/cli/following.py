@@ -110,6 +110,36 @@ def follower(console: Console) -> Iterator[Follower]:
         yield Follower(console, progress)
 
 
+def await_question(cell: CellClient, job_id: str, console: Console | None = None) -> ExitStatus:
+    """Show what becomes of a wish until the cell asks, begins to build, or will not.
+
+    Args:
+        cell: subscribed before the wish was given.
+        job_id: as the reply to the request named it.
+
+    Raises:
+        CellctlError: the daemon fell silent.
+    """
+    console = console or Console(highlight=False)
+    for message in cell.messages(_SILENCE_S):
+        data = message.payload()
+        if isinstance(data, StateData | HealthData):
+            snapshot = cell.snapshot()
+            job, state = snapshot.job, snapshot.state
+            if job is None or job.job_id != job_id:
+                return ExitStatus.DONE
+            if job.outcome:
+                console.print(job.message, markup=False)
+                return OUTCOME_STATUS[job.outcome]
+            if snapshot.fault.entry is not None:
+                console.print(state.sentence, markup=False)
+                return ExitStatus.FAULT
+            if state.state == "validating_confirming" or job.phase == "building":
+                console.print(state.sentence, markup=False)
+                return ExitStatus.DONE
+    raise CellctlError("The daemon has fallen silent.", "Look at its log.")
+
+
 def follow_job(
     cell: CellClient, job_id: str, console: Console | None = None, timeout_s: float = 3600.0
 ) -> ExitStatus:

@@ -9,9 +9,10 @@ from typing import Annotated
 import typer
 
 from cellctl.assembly import Role
-from cellctl.cli.following import follow_job
+from cellctl.cli.following import await_question, follow_job
 from cellctl.cli.options import ConfigOption, RoleOption, client
-from cellctl.errors import UsageError
+from cellctl.client import CellClient
+from cellctl.errors import ExitStatus, UsageError
 from cellctl.messages import ControlReply
 
 WaitOption = Annotated[
@@ -65,8 +66,7 @@ def register(app: typer.Typer) -> None:
                 assert text is not None
                 reply = cell.say(text)
             _tell(reply)
-            if wait:
-                raise typer.Exit(int(follow_job(cell, reply.job_id)))
+            raise typer.Exit(int(_see(cell, reply, wait)))
 
     @app.command()
     def build(
@@ -80,8 +80,7 @@ def register(app: typer.Typer) -> None:
             cell.subscribe()
             reply = cell.build(file.name, read_file(file))
             _tell(reply)
-            if wait:
-                raise typer.Exit(int(follow_job(cell, reply.job_id)))
+            raise typer.Exit(int(_see(cell, reply, wait)))
 
     @app.command()
     def yes(config: ConfigOption = None, role: RoleOption = Role.VISITOR) -> None:
@@ -105,6 +104,15 @@ def _plain(name: str) -> Callable[..., None]:
             _tell(cell.command(name))
 
     return command
+
+
+def _see(cell: CellClient, reply: ControlReply, wait: bool) -> ExitStatus:
+    """Show what becomes of a wish: to the end, or until the cell asks or begins."""
+    if wait:
+        return follow_job(cell, reply.job_id)
+    if reply.state.partition("_")[0] in {"listening", "generating", "validating"}:
+        return await_question(cell, reply.job_id)
+    return ExitStatus.DONE
 
 
 def _tell(reply: ControlReply) -> None:

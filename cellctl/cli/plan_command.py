@@ -66,7 +66,7 @@ def show_plan(console: Console, plan: BuildPlan, grid: tuple[int, int, int]) -> 
     for question in plan.questions:
         console.print(f"  [yellow]to ask[/] {question}")
     for line in layers(plan.assembly.cells, grid):
-        console.print(f"  {line}", markup=False)
+        console.print(f"  {line}", markup=False, no_wrap=True, overflow="ignore", crop=False)
     known = [step.duration_s for step in plan.steps if step.duration_s is not None]
     if known and len(known) == len(plan.steps):
         console.print(f"  about {sum(known):.0f} s, {sum(known) / len(known):.1f} s a part")

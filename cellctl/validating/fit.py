@@ -53,7 +53,7 @@ class Fitted:
 
 def centimetres(length_m: float) -> str:
     """``60 cm``, ``12.5 cm``."""
-    return f"{length_m * 100:.3g} cm"
+    return f"{round(length_m * 100, 1):g} cm"
 
 
 def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:

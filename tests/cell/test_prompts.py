@@ -62,9 +62,11 @@ def test_a_simple_stool(idle: RunningCell, tmp_path: Path) -> None:
     assert len(columns(built)) == 3
     assert 20 <= len(built) <= 40
     seen = idle.states_seen()
+    while seen[0] in {"starting", "idle"}:  # told before the wish, and read after it
+        seen.pop(0)
     assert seen[:4] == ["listening", "generating", "validating", "feeding"]
-    assert seen[-1] == "idle"
-    assert set(seen[3:-1]) <= {"feeding", "assembling"}
+    assert "assembling" in seen
+    assert set(seen[3:]) <= {"feeding", "assembling", "idle"}
     snapshot = idle.client.snapshot()
     assert [part.cell for part in snapshot.parts] == [step.cell for step in snapshot.plan.steps]  # type: ignore[union-attr]
     assert snapshot.inventory["structure"] == len(built)

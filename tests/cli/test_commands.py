@@ -195,3 +195,22 @@ def test_say_waits_for_the_end_and_tells_a_cancelled_job(tmp_path: Path) -> None
         refused = cellctl("say", "a stool", config=path)
         assert refused.returncode == 2
         assert "cellctl clear" in refused.stderr
+
+
+@pytest.mark.wire
+def test_say_shows_the_question_and_yes_and_no_answer_it(tmp_path: Path) -> None:
+    with running_cell(policy={"confirmation": "ask"}) as cell:
+        path = changed_config(tmp_path, bus=cell.config.bus.model_dump())
+        asked = cellctl("say", "the letter T", config=path)
+        assert asked.returncode == 0
+        assert "Shall I build it?" in asked.stdout
+        assert cellctl("no", config=path).returncode == 0
+        cell.wait_state("idle")
+        beauty = cellctl("say", "create beauty", config=path)
+        assert beauty.returncode == 3
+        assert "beauty" in beauty.stdout
+        for nothing in ("", " ", "stool " * 200):
+            refused = cellctl("say", nothing, config=path)
+            assert refused.returncode == 2
+            assert "one sentence" in refused.stderr
+            assert "Traceback" not in refused.stderr
