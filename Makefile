@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test soak lint format docs lock setup clean
+.PHONY: help demo test soak lint format docs lock setup setup-test clean
 
 BIN := .venv/bin
 # Where matplotlib keeps its list of fonts, whatever the home directory is like.
@@ -15,10 +15,10 @@ demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture an
 	@mkdir -p out
 	@$(BIN)/cellctl demo --speed 10 --picture out/stool.png --report out/report.json
 
-test: lint ## Lint, types, import layers and all tests but the long ones
+test: setup-test lint ## Lint, types, import layers and all tests but the long ones
 	@$(BIN)/pytest
 
-soak: setup ## The long proofs; an hour or more
+soak: setup-test ## The long proofs; an hour or more
 	@$(BIN)/pytest -m soak --timeout 7200
 
 lint: setup ## ruff, mypy, import-linter
@@ -39,6 +39,9 @@ lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer vers
 
 setup: ## Install what is needed, if anything is
 	@scripts/setup
+
+setup-test:
+	@scripts/setup --test
 
 clean: ## Remove everything that was made here, the environment included
 	rm -rf .venv out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache \

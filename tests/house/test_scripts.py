@@ -36,11 +36,11 @@ class Project:
         python.write_text(PYTHON)
         python.chmod(0o755)
 
-    def setup(self, **variables: str) -> subprocess.CompletedProcess[str]:
+    def setup(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
         """Run it in an almost empty environment; the log starts anew."""
         self.log.write_text("")
         return subprocess.run(
-            ["bash", "scripts/setup"],
+            ["bash", "scripts/setup", *arguments],
             cwd=self.root,
             env={"PATH": f"{self.root}/bin:/usr/bin:/bin", "LOG": str(self.log), **variables},
             capture_output=True,
@@ -70,9 +70,12 @@ def test_setup_installs_from_the_locks_by_hash(project: Project) -> None:
     assert "installing the locked Python packages" in result.stderr
 
 
-def test_a_second_run_installs_nothing_and_says_nothing(project: Project) -> None:
-    project.setup()
-    result = project.setup()
+@pytest.mark.parametrize("arguments", [(), ("--test",)])
+def test_a_second_run_installs_nothing_and_says_nothing(
+    project: Project, arguments: tuple[str, ...]
+) -> None:
+    project.setup(*arguments)
+    result = project.setup(*arguments)
     assert result.returncode == 0
     assert project.installs == []
     assert result.stdout + result.stderr == ""
