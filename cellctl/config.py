@@ -17,6 +17,8 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from cellctl.assembly import Role
+from cellctl.endpoints import endpoint_problem
 from cellctl.errors import ConfigError
 
 DEFAULT_PATH = Path("/etc/cellctl/cell.toml")
@@ -94,6 +96,9 @@ class ToolSection(Section):
     """Gripper and one voxel together."""
     payload_cog_m: Vector
     """Centre of gravity of that payload, in the flange frame."""
+    voltage_v: Literal[0, 12, 24] = 0
+    """Supply of the tool's connector in the robot's installation; compared, never set: only a
+    program of its own could set it."""
 
 
 class VoxelSection(Section):
@@ -212,27 +217,38 @@ class PlanningSection(Section):
 
 
 class BusSection(Section):
-    """ZeroMQ end points; loopback or ipc only."""
+    """ZeroMQ end points: ipc, or tcp on loopback; anything wider works with keys only."""
 
     status: str = "tcp://127.0.0.1:5571"
     """Where status is published."""
-    control: str = "tcp://127.0.0.1:5572"
-    """Where commands are taken."""
+    visitor: str = "tcp://127.0.0.1:5572"
+    """Where visitors' commands are taken: the visitor's door."""
+    operator: str = "tcp://127.0.0.1:5574"
+    """Where operators' commands are taken: the operator's door."""
+    keys: Annotated[str, Field(min_length=1)] = "/etc/cellctl/keys"
+    """Folder of the keys of end points wider than ipc and loopback; `cellctl keys make` fills it."""
     heartbeat_s: Annotated[float, Field(gt=0.0, le=10.0)] = 1.0
     """Longest silence on the status stream (wall time)."""
 
     @model_validator(mode="after")
-    def _loopback_only(self) -> Self:
-        for name in ("status", "control"):
-            endpoint: str = getattr(self, name)
-            if not endpoint.startswith(("ipc://", "tcp://127.")):
-                raise ValueError(
-                    f"{name} must be ipc:// or tcp://127.x.x.x (not {endpoint!r}): "
-                    "the bus is not encrypted"
-                )
-        if self.status == self.control:
-            raise ValueError(f"status and control must differ (both are {self.status!r})")
+    def _end_points(self) -> Self:
+        taken: dict[str, str] = {}
+        for name, endpoint in self.endpoints.items():
+            if problem := endpoint_problem(endpoint):
+                raise ValueError(f"{name} {problem} (not {endpoint!r})")
+            if other := taken.get(endpoint):
+                raise ValueError(f"{other} and {name} must differ (both are {endpoint!r})")
+            taken[endpoint] = name
         return self
+
+    @property
+    def endpoints(self) -> dict[str, str]:
+        """The end points by the names of their options."""
+        return {"status": self.status, "visitor": self.visitor, "operator": self.operator}
+
+    def door(self, role: Role) -> str:
+        """The end point at which that role asks."""
+        return self.operator if role is Role.OPERATOR else self.visitor
 
 
 class PolicySection(Section):
@@ -354,6 +370,7 @@ UNITS = {
     "_rad": "radians",
     "_m": "metres",
     "_s": "seconds",
+    "_v": "volts",
 }
 """What the endings of option names mean; the longer ones first."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, Protocol
 
 from cellctl.assembly import Value
-from cellctl.config import Joints, Pose
+from cellctl.config import Joints, Pose, Vector
 
 
 class Waypoint(Value):
@@ -25,6 +25,23 @@ class ArmIdentity(Value):
     model: Literal["ur10", "ur10e"]
     controller_version: str
     serial_number: str = ""
+
+
+class ArmCheck(Value):
+    """What the robot has set, read back while it stands still."""
+
+    identity: ArmIdentity
+    tcp: Pose
+    """TCP in the flange frame."""
+    payload_kg: float
+    payload_cog_m: Vector
+    """In the flange frame."""
+    tool_voltage_v: int
+    """Supply of the tool's connector."""
+    safety_mode: str
+    """``normal`` where the robot may move as planned."""
+    digital_outputs: int
+    """Bits 0-7: the standard outputs."""
 
 
 class ArmState(Value):
@@ -49,6 +66,15 @@ class Arm(Protocol):
 
     async def connect(self) -> ArmIdentity:
         """Connect, check the model, set TCP and payload and read them back; safe to repeat."""
+        ...
+
+    async def verify(self) -> ArmCheck:
+        """Read back, at rest, everything that the configuration and past orders have set, and
+        compare: model, serial number and software, TCP, payload, tool voltage, safety mode and
+        every digital output that was ordered. Moves and changes nothing; takes less than 0.3 s.
+
+        Raises ``robot_mismatch``, which says what is and what should be.
+        """
         ...
 
     def state(self) -> ArmState | None:

@@ -25,6 +25,7 @@ from cellctl.assembling.arm_messages import (
     Report,
     SetOutput,
     Stop,
+    Verify,
     WaitInput,
     encode,
 )
@@ -111,7 +112,7 @@ class ArmChild:
         return self._process.pid
 
     async def ask(
-        self, order: Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Close
+        self, order: Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify | Close
     ) -> Done:
         """Send an order and wait for its answer; the number is filled in here.
 

@@ -6,8 +6,10 @@ Source of commands and replies: Universal Robots, "Dashboard Server e-Series" an
 from __future__ import annotations
 
 import re
+import select
 import socket
 import time
+from collections.abc import Generator
 from typing import Literal
 
 from cellctl.assembling.arm import ArmIdentity
@@ -22,6 +24,8 @@ from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 
 _REPLY_TIMEOUT_S = 2.0
+_POLL_S = 0.001
+_REMOTE = "is in remote control"
 _IDLE = 5
 """``robot_mode`` of an arm with power on and brakes held."""
 _RETRY_S = 0.25
@@ -61,41 +65,68 @@ class Dashboard:
         Raises:
             CellFault: ``robot_lost`` when none comes.
         """
-        try:
-            self._socket.sendall(f"{command}\n".encode())
-        except OSError as error:
-            raise CellFault("robot_lost", f"{self._where}: {error.strerror or error}.") from error
+        self._send(command)
+        return self._read()
+
+    def asking(self, command: str) -> Generator[None, None, str]:
+        """``ask`` for a loop that has other things to do: each ``yield`` gives it a round.
+
+        Raises:
+            CellFault: ``robot_lost`` when no reply comes.
+        """
+        self._send(command)
+        deadline_s = time.monotonic() + _REPLY_TIMEOUT_S
+        while not select.select([self._socket], [], [], 0.0)[0]:
+            if time.monotonic() > deadline_s:
+                raise CellFault("robot_lost", f"{self._where} does not answer.")
+            yield
         return self._read()
 
     def identity(self, expected: Literal["ur10", "ur10e"]) -> ArmIdentity:
-        """Who the controller is, if it is the one that is expected.
+        """Who the controller is, if it is the one that is expected; waits for it.
+
+        Raises:
+            CellFault: ``robot_mismatch``, ``local_control`` or ``robot_lost``.
+        """
+        steps = self.identifying(expected)
+        while True:
+            try:
+                next(steps)
+            except StopIteration as end:
+                identity: ArmIdentity = end.value
+                return identity
+            time.sleep(_POLL_S)
+
+    def identifying(self, expected: Literal["ur10", "ur10e"]) -> Generator[None, None, ArmIdentity]:
+        """``identity`` for a loop that has other things to do.
 
         Both arms call themselves UR10; the generation of the controller tells them apart.
 
         Raises:
             CellFault: ``robot_mismatch``, ``local_control`` or ``robot_lost``.
         """
-        version_line = self.ask("PolyscopeVersion")
+        version_line = yield from self.asking("PolyscopeVersion")
         found = re.search(r"(\d+)\.(\d+)\.(\d+)", version_line)
         if found is None:
             raise CellFault("robot_mismatch", f"Unknown controller version {version_line!r}.")
         e_series = int(found[1]) >= 5
-        model = self.ask("get robot model").strip()
+        model = (yield from self.asking("get robot model")).strip()
         if (e_series, model.upper().removesuffix("E")) != (expected == "ur10e", "UR10"):
             raise CellFault(
                 "robot_mismatch",
                 f"The configuration says {expected}; the controller says {model} with software "
                 f"{found[0]}.",
             )
-        if e_series and not self.remote():
-            raise CellFault("local_control")
-        serial_number = self.ask("get serial number").strip() if e_series else ""
+        serial_number = ""
+        if e_series:
+            if not _is_remote((yield from self.asking(_REMOTE))):
+                raise CellFault("local_control")
+            serial_number = (yield from self.asking("get serial number")).strip()
         return ArmIdentity(model=expected, controller_version=found[0], serial_number=serial_number)
 
     def remote(self) -> bool:
         """Whether the controller takes commands from the network; a CB3 always does."""
-        reply = self.ask("is in remote control").strip().lower()
-        return reply == "true" or "understand" in reply
+        return _is_remote(self.ask(_REMOTE))
 
     def end_program(self, receiver: Receiver) -> None:
         """End whatever program runs or is paused.
@@ -139,6 +170,12 @@ class Dashboard:
                 "robot_lost", "The arm does not switch on or does not release its brakes."
             )
 
+    def _send(self, command: str) -> None:
+        try:
+            self._socket.sendall(f"{command}\n".encode())
+        except OSError as error:
+            raise CellFault("robot_lost", f"{self._where}: {error.strerror or error}.") from error
+
     def _read(self) -> str:
         try:
             line = self._lines.readline()
@@ -147,3 +184,9 @@ class Dashboard:
         if not line:
             raise CellFault("robot_lost", f"{self._where} closed the connection.")
         return line.rstrip("\r\n")
+
+
+def _is_remote(reply: str) -> bool:
+    """A CB3 does not know the question, and always takes commands."""
+    reply = reply.strip().lower()
+    return reply == "true" or "understand" in reply

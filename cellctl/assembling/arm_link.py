@@ -30,7 +30,7 @@ from typing import Any
 import rtde_control
 import rtde_io
 
-from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, Waypoint
 from cellctl.assembling.arm_receiver import PLAYING, Receiver, Sample, safety_fault
 from cellctl.config import Joints, Pose, RobotSection, Vector
 from cellctl.errors import CellFault
@@ -48,7 +48,7 @@ _READ_BACK_TIMEOUT_S = 1.0
 _PROGRAM_GRACE_S = 0.1
 """A stop's safety bits may follow this much later than the program's end (wall time)."""
 JOINT_ACCELERATION_RAD_S2 = 1.0
-_TOLERANCE = 1e-4
+READ_BACK_TOLERANCE = 1e-4
 """TCP (m, rad) and payload (kg, m) read back may differ by rounding only."""
 
 
@@ -93,17 +93,43 @@ class Link:
         """
         self._control.setTcp(list(tcp))
         read_tcp = self._control.getTCPOffset()
-        if len(read_tcp) != 6 or max(map(abs, map(_minus, read_tcp, tcp))) > _TOLERANCE:
+        if len(read_tcp) != 6 or max(map(abs, map(_minus, read_tcp, tcp))) > READ_BACK_TOLERANCE:
             raise CellFault("robot_mismatch", f"TCP set to {list(tcp)}, read back {read_tcp}.")
         self._control.setPayload(payload_kg, list(cog_m))
-        if not self._receiver.wait(lambda _: self._has_payload(payload_kg), _READ_BACK_TIMEOUT_S):
+        wanted = [payload_kg, *cog_m]
+        if not self._receiver.wait(
+            lambda _: max(map(abs, map(_minus, self._payload(), wanted))) < READ_BACK_TOLERANCE,
+            _READ_BACK_TIMEOUT_S,
+        ):
             raise CellFault(
                 "robot_mismatch",
-                f"Payload set to {payload_kg} kg, read back {self._receiver.payload_kg()} kg.",
+                f"Payload and its centre set to {wanted} (kg, m), read back {self._payload()}.",
             )
 
-    def _has_payload(self, payload_kg: float) -> bool:
-        return abs(self._receiver.payload_kg() - payload_kg) < _TOLERANCE
+    def _payload(self) -> list[float]:
+        return [self._receiver.payload_kg(), *self._receiver.payload_cog_m()]
+
+    def read_back(self, identity: ArmIdentity, tool_voltage_v: int) -> ArmCheck:
+        """What the controller has set, beside what others found out.
+
+        Raises:
+            CellFault: ``robot_lost`` when it does not tell its TCP.
+        """
+        # The only question here that the control program answers: some controllers' state does
+        # not have the TCP.
+        tcp = self._control.getTCPOffset()
+        if len(tcp) != 6:
+            raise CellFault("robot_lost", "The controller does not tell its TCP.")
+        x, y, z, rx, ry, rz = tcp
+        return ArmCheck(
+            identity=identity,
+            tcp=(x, y, z, rx, ry, rz),
+            payload_kg=self._receiver.payload_kg(),
+            payload_cog_m=self._receiver.payload_cog_m(),
+            tool_voltage_v=tool_voltage_v,
+            safety_mode=self._receiver.safety_mode(),
+            digital_outputs=self.sample.outputs & 0xFF,
+        )
 
     def guard(self) -> None:
         """Arm the controller's watchdog, which a program upload drops, and kick it."""

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, TypeAdapter
 
-from cellctl.assembling.arm import ArmIdentity, ArmState, Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Waypoint
 from cellctl.assembly import Value
 from cellctl.config import Joints, Pose, RobotSection, Vector
 
@@ -88,6 +88,13 @@ class WaitInput(Value):
     """In the robot's own time."""
 
 
+class Verify(Value):
+    """Read back what the robot has set; refused while it moves."""
+
+    kind: Literal["verify"] = "verify"
+    number: int
+
+
 class Close(Value):
     """Stop, let go of the robot, and end."""
 
@@ -96,7 +103,7 @@ class Close(Value):
 
 
 Order = Annotated[
-    Heartbeat | Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Close,
+    Heartbeat | Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify | Close,
     Field(discriminator="kind"),
 ]
 
@@ -110,6 +117,8 @@ class Done(Value):
     """For ``Connect``."""
     level_seen: bool = True
     """For ``WaitInput``: False on time-out."""
+    check: ArmCheck | None = None
+    """For ``Verify``."""
 
 
 class Failed(Value):

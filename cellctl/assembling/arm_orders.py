@@ -9,10 +9,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator
 
+from cellctl.assembling.arm import ArmCheck
+from cellctl.assembling.arm_dashboard import Dashboard
 from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link
 from cellctl.assembling.arm_messages import Follow, MoveJoints, WaitInput
 from cellctl.assembling.arm_receiver import Sample
+from cellctl.assembling.arm_rtde import TOOL_VOLTAGE, read_integer
 from cellctl.assembling.poses import distance
+from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 
 _ARRIVED_M = 0.0015
@@ -108,6 +112,22 @@ def stop(link: Link) -> Generator[None, None, None]:
             raise CellFault("motion_timeout", "The arm does not come to rest.")
         yield
     link.open_gate()
+
+
+def verify(
+    link: Link, dashboard: Dashboard, robot: RobotSection
+) -> Generator[None, None, ArmCheck]:
+    """Read back what the robot has set.
+
+    Raises:
+        CellFault: a stop of the robot's own, ``robot_mismatch``, ``local_control`` or
+            ``robot_lost``.
+    """
+    link.check()
+    identity = yield from dashboard.identifying(robot.model)
+    tool_voltage_v = yield from read_integer(robot.host, TOOL_VOLTAGE)
+    link.check()
+    return link.read_back(identity, tool_voltage_v)
 
 
 def wait_input(link: Link, order: WaitInput) -> Generator[None, None, bool]:

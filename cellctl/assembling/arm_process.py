@@ -13,7 +13,8 @@ import math
 
 import structlog
 
-from cellctl.assembling.arm import ArmIdentity, ArmState, Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Waypoint
+from cellctl.assembling.arm_check import refuse_mismatch
 from cellctl.assembling.arm_child import ArmChild, ChildLostError, StoppedError
 from cellctl.assembling.arm_messages import (
     Close,
@@ -23,6 +24,7 @@ from cellctl.assembling.arm_messages import (
     MoveJoints,
     SetOutput,
     Stop,
+    Verify,
     WaitInput,
 )
 from cellctl.assembling.frames import Frames
@@ -52,6 +54,8 @@ class RemoteArm:
         self._kinematics = Kinematics(config.robot.model)
         self._child: ArmChild | None = None
         self._identity: ArmIdentity | None = None
+        self._ordered: dict[int, bool] = {}
+        """The level that each output was last ordered to have; arm processes come and go."""
         self._loss: CellFault | None = None
         self._speed_fraction = 1.0
         self._changing = asyncio.Lock()
@@ -67,6 +71,15 @@ class RemoteArm:
         if self._identity is not None and state is not None and state.program_running:
             return self._identity
         return await self._open(recover=False)
+
+    async def verify(self) -> ArmCheck:
+        state = self.state()
+        if state is not None and state.moving:
+            raise CellFault("internal", "The robot's settings are checked at rest only.")
+        check = (await self._ask(Verify(number=0))).check
+        assert check is not None, "an answered check has been made"
+        refuse_mismatch(check, self._config, self._identity, self._ordered)
+        return check
 
     def state(self) -> ArmState | None:
         return self._child.state if self._child is not None else None
@@ -85,6 +98,7 @@ class RemoteArm:
 
     async def set_output(self, line: int, high: bool) -> None:
         await self._ask(SetOutput(number=0, line=line, high=high))
+        self._ordered[line] = high
 
     async def wait_input(self, line: int, high: bool, timeout_s: float) -> bool:
         order = WaitInput(number=0, line=line, high=high, timeout_s=timeout_s)
@@ -114,7 +128,9 @@ class RemoteArm:
             await self.stop()
             raise
 
-    async def _ask(self, order: Follow | MoveJoints | Stop | SetOutput | WaitInput) -> Done:
+    async def _ask(
+        self, order: Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify
+    ) -> Done:
         child = self._child
         if child is None:
             raise CellFault("robot_lost", "The robot is not connected.")

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import rtde_receive
 
 from cellctl.assembling.arm import ArmState
-from cellctl.config import Joints, Pose, RobotSection
+from cellctl.config import Joints, Pose, RobotSection, Vector
 from cellctl.errors import CellFault
 
 PLAYING = 2
@@ -39,8 +39,22 @@ _VARIABLES = [
     "safety_status_bits",
     "target_speed_fraction",
     "payload",
+    "payload_cog",
+    "safety_mode",
 ]
 
+_SAFETY_MODES = {
+    1: "normal",
+    2: "reduced",
+    3: "protective stop",
+    4: "recovery",
+    5: "safeguard stop",
+    6: "system emergency stop",
+    7: "robot emergency stop",
+    8: "violation",
+    9: "fault",
+}
+"""RTDE's ``safety_mode``."""
 _PROTECTIVE, _SAFEGUARD = 1 << 2, 1 << 4
 _EMERGENCY = 1 << 5 | 1 << 6 | 1 << 7
 VIOLATION = 1 << 8 | 1 << 9
@@ -156,6 +170,16 @@ class Receiver:
     def payload_kg(self) -> float:
         """The payload that the controller reckons with."""
         return float(self._receive.getPayload())
+
+    def payload_cog_m(self) -> Vector:
+        """Its centre of gravity in the flange frame."""
+        x, y, z = self._receive.getPayloadCog()
+        return (x, y, z)
+
+    def safety_mode(self) -> str:
+        """In words; a number that is not known stays a number."""
+        number = int(self._receive.getSafetyMode())
+        return _SAFETY_MODES.get(number, str(number))
 
     def _read(self) -> Sample:
         receive = self._receive

@@ -23,6 +23,7 @@ from collections.abc import Generator
 from contextlib import suppress
 
 from cellctl.assembling import arm_orders
+from cellctl.assembling.arm import ArmCheck
 from cellctl.assembling.arm_dashboard import Dashboard
 from cellctl.assembling.arm_link import Link
 from cellctl.assembling.arm_messages import (
@@ -40,6 +41,7 @@ from cellctl.assembling.arm_messages import (
     Report,
     SetOutput,
     Stop,
+    Verify,
     WaitInput,
     encode,
 )
@@ -57,8 +59,9 @@ _LAST_STOP_S = 3.0
 _LAST_WORDS_S = 0.5
 _NICENESS = -10
 
-Task = Generator[None, None, bool | None]
-"""What remains to be done for an order; returns False only for an input that was not seen."""
+Task = Generator[None, None, bool | ArmCheck | None]
+"""What remains to be done for an order; returns False only for an input that was not seen, and
+what was read back where that was asked."""
 
 
 class Worker:
@@ -155,8 +158,11 @@ class Worker:
                 self._say_last_words()
                 raise
 
-    def _begin(self, link: Link, order: Follow | MoveJoints | Stop | SetOutput | WaitInput) -> None:
+    def _begin(
+        self, link: Link, order: Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify
+    ) -> None:
         assert self._robot is not None, "set together with the link"
+        assert self._dashboard is not None, "set together with the link"
         factor = self._robot.robot.move_timeout_factor
         if isinstance(order, Stop):
             self._begin_stop(link, order.number)
@@ -166,6 +172,9 @@ class Worker:
             self._tasks[order.number] = arm_orders.wait_input(link, order)
         elif self._movement is not None:
             raise CellFault("internal", "The arm is already under way.")
+        elif isinstance(order, Verify):
+            robot = self._robot.robot
+            self._tasks[order.number] = arm_orders.verify(link, self._dashboard, robot)
         elif isinstance(order, Follow):
             self._movement = (order.number, arm_orders.follow(link, order, factor))
         else:
@@ -195,7 +204,9 @@ class Worker:
                 del self._tasks[key]
                 if key is not None and key != self._close:
                     self._report(link)
-                    self._send(Done(number=key, level_seen=end.value is not False))
+                    check = end.value if isinstance(end.value, ArmCheck) else None
+                    seen = end.value is not False
+                    self._send(Done(number=key, level_seen=seen, check=check))
             except CellFault as fault:
                 del self._tasks[key]
                 if key is not None:

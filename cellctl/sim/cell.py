@@ -53,6 +53,7 @@ class EmulatedCell:
                 controller_version=config.emulation.controller_version,
                 clock_rate=config.cell.clock_rate,
                 initial_joints_rad=config.robot.home_rad,
+                tool_voltage_v=config.tool.voltage_v,
             ),
             plant,
         )

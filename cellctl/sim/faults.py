@@ -164,6 +164,48 @@ _ROBOT = (
         "A digital input reads the level opposite to what is wired to it.",
         (_INPUT,),
     ),
+    Fault(
+        "payload_changed",
+        Device.ROBOT,
+        "payload_changed",
+        "Somebody sets another payload on the pendant.",
+        (Parameter("payload_kg", float, "the payload's mass in kilograms", 3.0),),
+        once=True,
+        remedy="Connect again, which sets the right one.",
+    ),
+    Fault(
+        "tcp_changed",
+        Device.ROBOT,
+        "tcp_changed",
+        "Somebody sets another TCP on the pendant.",
+        (Parameter("z_m", float, "the TCP's distance from the flange in metres", 0.2),),
+        once=True,
+        remedy="Connect again, which sets the right one.",
+    ),
+    Fault(
+        "tool_voltage_changed",
+        Device.ROBOT,
+        "tool_voltage_changed",
+        "Somebody sets another voltage for the tool's connector on the pendant.",
+        (Parameter("voltage_v", int, "0, 12 or 24 volts", 24),),
+        once=True,
+        remedy="Set the right one on the pendant: inject it with that voltage.",
+    ),
+    Fault(
+        "output_changed",
+        Device.ROBOT,
+        "output_changed",
+        "Somebody switches a digital output on the pendant.",
+        (_OUTPUT, Parameter("high", bool, "the level to which it is switched", False)),
+        once=True,
+        remedy="Switch it back.",
+    ),
+    Fault(
+        "reduced_mode",
+        Device.ROBOT,
+        "reduced_mode",
+        "A safety input asks for the reduced limits; the arm still moves.",
+    ),
 )
 _COUNT = Parameter("count", int, "how many replies it strikes", 1)
 _CONVEYOR = (

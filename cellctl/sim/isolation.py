@@ -66,7 +66,8 @@ def isolated(config: CellConfig, folder: Path, speed: float | None = None) -> Ce
             "bus": config.bus.model_copy(
                 update={
                     "status": f"ipc://{folder}/status",
-                    "control": f"ipc://{folder}/control",
+                    "visitor": f"ipc://{folder}/visitor",
+                    "operator": f"ipc://{folder}/operator",
                 }
             ),
             "emulation": config.emulation.model_copy(update={"control": f"ipc://{folder}/cell"}),

@@ -11,7 +11,7 @@ from cellctl.errors import UsageError
 from cellctl.sim.plant import Plant
 from cellctl.sim.ur.dashboard import dashboard_server
 from cellctl.sim.ur.lines import LINES, Wires
-from cellctl.sim.ur.options import UrOptions
+from cellctl.sim.ur.options import TOOL_VOLTAGES_V, UrOptions
 from cellctl.sim.ur.robot import Robot, Runtime
 from cellctl.sim.ur.rtde import RtdeService
 from cellctl.sim.ur.script import script_server
@@ -126,10 +126,15 @@ class UrController:
             "protective_stop": self._protective_stop,
             "drop_connections": self._drop_connections,
             "kill_program": self._kill_program,
+            "payload_changed": self._change_payload,
+            "tcp_changed": self._change_tcp,
+            "tool_voltage_changed": self._change_tool_voltage,
+            "output_changed": self._change_output,
         }
         states: dict[str, Callable[..., None]] = {
             "safeguard_stop": self.robot.set_safeguard,
             "emergency_stop": self.robot.set_emergency,
+            "reduced_mode": self._reduce,
             "local_control": lambda active: self.robot.set_remote(not active),
             "freeze": self._freeze,
             "refuse_connections": self._refuse,
@@ -161,6 +166,24 @@ class UrController:
     def _drop_connections(self, *, reset: bool = False) -> None:
         for server in self._servers:
             server.drop(reset=reset)
+
+    def _change_payload(self, payload_kg: float = 3.0) -> None:
+        self.robot.set_payload(payload_kg, self.robot.registers.payload_cog)
+
+    def _change_tcp(self, z_m: float = 0.2) -> None:
+        self.robot.arm.set_tcp((0.0, 0.0, z_m, 0.0, 0.0, 0.0))
+
+    def _change_tool_voltage(self, voltage_v: int = 24) -> None:
+        if voltage_v not in TOOL_VOLTAGES_V:
+            raise UsageError(f"The tool's connector has no {voltage_v} V; it has 0, 12 or 24 V.")
+        self.robot.registers.tool_output_voltage = voltage_v
+
+    def _change_output(self, line: int, high: bool = False) -> None:
+        _check_line(line)
+        self.robot.lines.switch(line, high)
+
+    def _reduce(self, active: bool) -> None:
+        self.robot.safety.reduced = active
 
     def _freeze(self, active: bool) -> None:
         for server in self._servers:

@@ -52,6 +52,10 @@ class Lines:
                 cleared = self.outputs & ~(mask << first)
                 self.outputs = cleared | (levels & mask) << first
 
+    def switch(self, line: int, high: bool) -> None:
+        """Somebody switches a digital output on the teach pendant."""
+        self.outputs = self.outputs | 1 << line if high else self.outputs & ~(1 << line)
+
     def exchange(self) -> None:
         """Bring the outputs to the plant when they have changed, and read its inputs."""
         levels = self.output_wires.carry(self.outputs)

@@ -15,6 +15,7 @@ Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 """Joint values (rad, rad/s ...), or a pose: metres, then a rotation vector in radians."""
 
+TOOL_VOLTAGES_V = (0, 12, 24)
 _TURN = 2.0 * math.pi
 _SLOW_RAD_S = math.radians(120.0)
 _FAST_RAD_S = math.radians(180.0)
@@ -37,6 +38,8 @@ class UrOptions:
     """Cell seconds per wall second; the watchdog's window keeps its length in wall time."""
     initial_joints_rad: Six = (0.0, -1.5708, -1.5708, -1.5708, 1.5708, 0.0)
     serial_number: str = "20225500001"
+    tool_voltage_v: int = 0
+    """Supply of the tool's connector, as the installation has it: 0, 12 or 24 V."""
 
     joint_position_limit_rad: Six = (_TURN, _TURN, _TURN, _TURN, _TURN, _TURN)
     """Largest magnitude of each joint's position."""
@@ -101,6 +104,8 @@ class UrOptions:
             low < high for low, high in zip(*self.tcp_box_m, strict=True)
         ):
             raise ConfigError("tcp_box_m: each minimum must be less than its maximum.")
+        if self.tool_voltage_v not in TOOL_VOLTAGES_V:
+            raise ConfigError(f"tool_voltage_v = {self.tool_voltage_v}: must be 0, 12 or 24.")
         if not self.serial_number.isdigit():
             raise ConfigError("serial_number: only digits, the clients parse it as a number.")
 

@@ -71,6 +71,7 @@ class Robot:
         self.counters = Counters()
         self.runtime = Runtime.STOPPED
         self.time_s = 0.0
+        self.registers.tool_output_voltage = options.tool_voltage_v
         self.program_name = ""
         self._plant = plant
         self._program: ControlProgram | None = None
@@ -331,6 +332,7 @@ class Robot:
             "moving": arm.moving,
             "payload_kg": self.registers.payload,
             "payload_cog_m": list(self.registers.payload_cog),
+            "tool_voltage_v": self.registers.tool_output_voltage,
             "robot_mode": self.safety.robot_mode.name,
             "safety_mode": self.safety.mode.name,
             "safety_popup": self.safety.popup,

@@ -24,6 +24,7 @@ class SafetyMode(IntEnum):
     """RTDE's ``safety_mode``."""
 
     NORMAL = 1
+    REDUCED = 2
     PROTECTIVE_STOP = 3
     SAFEGUARD_STOP = 5
     ROBOT_EMERGENCY_STOP = 7
@@ -31,6 +32,7 @@ class SafetyMode(IntEnum):
 
 _BITS = {
     SafetyMode.NORMAL: 1 << 0,
+    SafetyMode.REDUCED: 1 << 1,
     SafetyMode.PROTECTIVE_STOP: 1 << 2 | 1 << 10,
     SafetyMode.SAFEGUARD_STOP: 1 << 4 | 1 << 10,
     SafetyMode.ROBOT_EMERGENCY_STOP: 1 << 6 | 1 << 7 | 1 << 10,
@@ -49,6 +51,8 @@ class Safety:
         self.emergency = False
         self.safeguard = False
         self.protective = False
+        self.reduced = False
+        """Whether a safety input asks for the reduced limits, which are not emulated."""
         self.popup = ""
         """Text of the safety popup on the pendant, if one is open."""
         self._protective_for_s = 0.0
@@ -63,12 +67,13 @@ class Safety:
             return SafetyMode.PROTECTIVE_STOP
         if self.safeguard:
             return SafetyMode.SAFEGUARD_STOP
-        return SafetyMode.NORMAL
+        return SafetyMode.REDUCED if self.reduced else SafetyMode.NORMAL
 
     @property
     def may_move(self) -> bool:
         """Whether a program may run and move the arm."""
-        return self.mode is SafetyMode.NORMAL and self.robot_mode is RobotMode.RUNNING
+        stopped = self.emergency or self.protective or self.safeguard
+        return not stopped and self.robot_mode is RobotMode.RUNNING
 
     def trip_protective(self, cause: str) -> None:
         """A protective stop; the five seconds before it can be unlocked start over."""
