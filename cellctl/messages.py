@@ -125,6 +125,27 @@ class SpeechData(Value):
     request: Request | None = None
 
 
+EarsCondition = Literal[
+    "off", "starting", "listening", "waiting", "recording", "muted", "silent", "slow", "lost"
+]
+"""``off``: no microphone is configured; ``listening``: every sentence counts; ``waiting``: for the
+wake word or the button; ``recording``: what is said now is a request; ``silent``: the microphone
+delivers nothing but zeros; ``slow``: sound was lost, for the computer is too busy; ``lost``: there
+is no microphone, or it has fallen silent, and it is looked for again."""
+
+
+class EarsData(Value):
+    """Topic ``ears``: whether and how the cell listens."""
+
+    state: EarsCondition
+    device: str = ""
+    """The microphone's name; empty while there is none."""
+    activation: Literal["wake_word", "push_to_talk", "open"] = "wake_word"
+    """What makes a sentence a request."""
+    sentence: str = ""
+    """The state in words for the people in the room."""
+
+
 class FaultData(Value):
     """Topic ``fault``: the first cause, latched until a reset; ``entry`` None when cleared."""
 
@@ -162,6 +183,7 @@ StatusData = (
     | ConveyorData
     | GripperData
     | SpeechData
+    | EarsData
     | FaultData
     | LogData
     | HealthData
@@ -175,6 +197,7 @@ TOPICS: dict[str, type[Value]] = {
     "conveyor": ConveyorData,
     "gripper": GripperData,
     "speech": SpeechData,
+    "ears": EarsData,
     "fault": FaultData,
     "log": LogData,
     "health": HealthData,
@@ -221,6 +244,7 @@ class Snapshot(Value):
     fault: FaultData
     health: HealthData
     recogniser: str
+    ears: EarsData = EarsData(state="off")
 
 
 class SnapshotCommand(Value):
@@ -263,8 +287,21 @@ class PlainCommand(Value):
     command: Literal["pause", "resume", "stop", "cancel", "reset", "clear"]
 
 
+class ListenCommand(Value):
+    """Press the button: what is said into the microphone next is a request."""
+
+    command: Literal["listen"] = "listen"
+
+
+class MuteCommand(Value):
+    """Close the microphone, or open it again."""
+
+    command: Literal["mute", "unmute"]
+
+
 Command = Annotated[
-    SnapshotCommand | SayCommand | HearCommand | BuildCommand | ConfirmCommand | PlainCommand,
+    SnapshotCommand | SayCommand | HearCommand | BuildCommand | ConfirmCommand | PlainCommand
+    | ListenCommand | MuteCommand,
     Field(discriminator="command"),
 ]
 
@@ -302,5 +339,5 @@ class ControlReply(Value):
     error: ReplyError | None = None
 
 
-OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear"})
+OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear", "unmute"})
 """Commands that a visitor may not give."""

@@ -1,0 +1,113 @@
+"""What the ears tell the daemon, and what the daemon tells the ears.
+
+Both cross a socket between two processes, one line of JSON each. Samples are 16 kHz mono 16 bit
+PCM; they are never written anywhere.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, TypeAdapter
+
+from cellctl.assembly import Value
+from cellctl.listening.recogniser import Samples
+from cellctl.messages import EarsCondition
+
+SpokenAfter = Literal["", "wake_word", "push_to_talk", "open"]
+"""What made the ears take speech for a request; empty when nothing did."""
+Expecting = Literal["request", "command"]
+"""What may be said: a whole sentence, or nothing but yes, no, stop and the like."""
+
+LINE_LIMIT_BYTES = 2 << 20
+"""Longest line; the longest segment, 12 s in base64, takes 0.5 MB."""
+
+
+class Condition(Value):
+    """How the ears are, from now on."""
+
+    kind: Literal["condition"] = "condition"
+    state: EarsCondition
+    device: str = ""
+    """The microphone's name; empty while there is none."""
+    sentence: str = ""
+    """The same in words for the people in the room."""
+
+
+class WakeWordHeard(Value):
+    """Somebody said the wake word; what is said next is a request."""
+
+    kind: Literal["wake_word"] = "wake_word"
+    word: str
+
+
+class NoSpeech(Value):
+    """Nobody said anything after the wake word or the button."""
+
+    kind: Literal["no_speech"] = "no_speech"
+
+
+class Segment(Value):
+    """One utterance, from just before its first sound to the silence that ended it."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", ser_json_bytes="base64", val_json_bytes="base64"
+    )
+
+    kind: Literal["segment"] = "segment"
+    pcm: bytes
+    after: SpokenAfter
+    speech_end_s: float
+    """When the last speech in it ended: seconds of sound in the pipeline's own events, this
+    machine's monotonic clock in those of ``Ears``."""
+
+    @property
+    def samples(self) -> Samples:
+        """The sound as an array."""
+        return np.frombuffer(self.pcm, dtype=np.int16)
+
+
+class Alive(Value):
+    """The ears' process goes round its loop."""
+
+    kind: Literal["alive"] = "alive"
+
+
+Heard = WakeWordHeard | NoSpeech | Segment
+"""What comes out of the pipeline."""
+EarsEvent = Condition | Heard
+"""What the daemon gets."""
+FromEars: TypeAdapter[EarsEvent | Alive] = TypeAdapter(
+    Annotated[EarsEvent | Alive, Field(discriminator="kind")]
+)
+
+
+class Expect(Value):
+    """From now on this is what may be said."""
+
+    kind: Literal["expect"] = "expect"
+    what: Expecting
+
+
+class Listen(Value):
+    """Take what is said next for a request: somebody pressed the button."""
+
+    kind: Literal["listen"] = "listen"
+
+
+class Mute(Value):
+    """Close the microphone, or open it again."""
+
+    kind: Literal["mute"] = "mute"
+    muted: bool
+
+
+Order = Expect | Listen | Mute
+"""What the daemon tells the ears."""
+ToEars: TypeAdapter[Order] = TypeAdapter(Annotated[Order, Field(discriminator="kind")])
+
+
+def encode(message: EarsEvent | Alive | Order) -> bytes:
+    """One line."""
+    return message.model_dump_json().encode() + b"\n"

@@ -1,0 +1,182 @@
+"""From sound to utterances: a pure object that counts samples and knows no clock.
+
+Sound goes in piece by piece; utterances, wake words and vain waits come out. The same object works
+behind the microphone and, faster than real time, on recordings.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+
+from cellctl.listening.ears.detectors import (
+    CHUNK_BYTES,
+    CHUNK_SAMPLES,
+    SpeechDetector,
+    WakeWordDetector,
+)
+from cellctl.listening.ears.events import (
+    Expecting,
+    Heard,
+    NoSpeech,
+    Segment,
+    SpokenAfter,
+    WakeWordHeard,
+)
+from cellctl.listening.recogniser import SAMPLE_RATE_HZ
+
+CHUNK_S = CHUNK_SAMPLES / SAMPLE_RATE_HZ
+SPEECH_BEGINS = 0.5
+"""Probability from which a chunk is speech, after silence."""
+SPEECH_ENDS = 0.35
+"""Probability below which it is none any more, after speech."""
+BEFORE_S = 0.32
+"""Sound that is kept from before the first speech: a soft consonant is no speech yet."""
+REQUEST_SILENCE_S = 0.6
+"""Silence that ends a request: people stop to think."""
+COMMAND_SILENCE_S = 0.3
+"""Silence that ends what can only be a command: the arm may be moving."""
+SHORTEST_SPEECH_S = 0.1
+"""Less is a click or a cough."""
+COMMAND_LONGEST_S = 3.0
+"""Of longer speech that nobody asked for, only so much of its end is passed on."""
+REQUEST_LONGEST_S = 12.0
+"""A request is cut off here, counted from the wake word or the button."""
+NO_SPEECH_S = 6.0
+"""How long the ears wait for a request to begin."""
+WAKE_WORD_PAUSE_S = 1.5
+"""One spoken wake word is noticed once."""
+
+
+class Pipeline:
+    """Endpointing, wake word and activation.
+
+    Args:
+        speech: tells speech from noise.
+        wake_word: what activates; None when only ``listen`` does, or nothing has to.
+        open_to_all: every utterance counts as a request, with nothing before it.
+    """
+
+    def __init__(
+        self,
+        speech: SpeechDetector,
+        wake_word: WakeWordDetector | None = None,
+        *,
+        open_to_all: bool = False,
+    ) -> None:
+        self.expecting: Expecting = "request"
+        """What may be said now; set by whoever knows what the cell is doing."""
+        self._speech = speech
+        self._wake_word = wake_word
+        self._open = open_to_all
+        self._rest = b""
+        self._now_s = 0.0
+        self._after: SpokenAfter = ""
+        self._activated_s = 0.0
+        self._woken_s = -WAKE_WORD_PAUSE_S
+        self._before: deque[bytes] = deque(maxlen=round(BEFORE_S / CHUNK_S))
+        self._spoken: deque[bytes] = deque()
+        self._speech_s = 0.0
+        self._speech_end_s = 0.0
+
+    @property
+    def recording(self) -> SpokenAfter:
+        """What made the ears take what is said now for a request; empty while they do not."""
+        return self._after
+
+    @property
+    def now_s(self) -> float:
+        """How much sound has come in."""
+        return self._now_s
+
+    def listen(self, after: SpokenAfter = "push_to_talk") -> None:
+        """Take what is said from now on for a request."""
+        self._after, self._activated_s = after, self._now_s
+        self._drop()
+        if after == "wake_word":
+            self._before.clear()  # it holds the wake word's end
+
+    def forget(self) -> None:
+        """Begin anew: sound was lost, and what comes next does not follow what came before."""
+        self._rest, self._after = b"", ""
+        self._drop()
+        self._before.clear()
+
+    def feed(self, sound: bytes) -> Iterator[Heard]:
+        """Take in some sound, of any length; yields what it brought to an end.
+
+        Args:
+            sound: 16 kHz mono 16 bit PCM that follows what was fed before.
+        """
+        sound = self._rest + sound
+        whole = len(sound) - len(sound) % CHUNK_BYTES
+        self._rest = sound[whole:]
+        for start in range(0, whole, CHUNK_BYTES):
+            yield from self._chunk(sound[start : start + CHUNK_BYTES])
+
+    def _chunk(self, chunk: bytes) -> Iterator[Heard]:
+        self._now_s += CHUNK_S
+        if self._wakes(chunk):
+            assert self._wake_word is not None
+            yield WakeWordHeard(word=self._wake_word.word)
+            self.listen("wake_word")
+        talking = bool(self._spoken)
+        probability = self._speech.probability(chunk)
+        if probability >= (SPEECH_ENDS if talking else SPEECH_BEGINS):
+            if not talking:
+                self._spoken.extend(self._before)
+            self._speech_s += CHUNK_S
+            self._speech_end_s = self._now_s
+            talking = True
+        if not talking:
+            self._before.append(chunk)
+            if self._after and self._now_s - self._activated_s > NO_SPEECH_S:
+                self._after = ""
+                yield NoSpeech()
+            return
+        self._spoken.append(chunk)
+        if self._complete():
+            segment = self._cut()
+            if segment is not None:
+                yield segment
+
+    def _wakes(self, chunk: bytes) -> bool:
+        if self._wake_word is None or not self._wake_word.heard(chunk):
+            return False
+        if self._now_s - self._woken_s < WAKE_WORD_PAUSE_S:
+            return False
+        self._woken_s = self._now_s
+        return True
+
+    def _complete(self) -> bool:
+        """Whether what is being said has come to its end, or must."""
+        requested = self._after or (self._open and self.expecting == "request")
+        if requested:
+            begun_s = self._activated_s if self._after else self._now_s - self._length_s
+            if self._now_s - begun_s > REQUEST_LONGEST_S:
+                return True
+        elif self._length_s > BEFORE_S + COMMAND_LONGEST_S:
+            self._spoken.popleft()
+        whole = requested and self.expecting == "request"
+        silence_s = REQUEST_SILENCE_S if whole else COMMAND_SILENCE_S
+        return self._now_s - self._speech_end_s > silence_s - CHUNK_S / 2
+
+    @property
+    def _length_s(self) -> float:
+        return len(self._spoken) * CHUNK_S
+
+    def _cut(self) -> Segment | None:
+        """End the utterance; None when it was too short to be one."""
+        pcm, speech_s = b"".join(self._spoken), self._speech_s
+        self._drop()
+        if speech_s < SHORTEST_SPEECH_S:
+            return None
+        after, self._after = self._after, ""
+        if not after and self._open and self.expecting == "request":
+            after = "open"
+        return Segment(pcm=pcm, after=after, speech_end_s=self._speech_end_s)
+
+    def _drop(self) -> None:
+        self._before.extend(self._spoken)
+        self._spoken.clear()
+        self._speech_s = 0.0
