@@ -40,6 +40,8 @@ SHORTEST_SPEECH_S = 0.1
 """Less is a click or a cough."""
 COMMAND_LONGEST_S = 3.0
 """Of longer speech that nobody asked for, only so much of its end is passed on."""
+SHORTEST_AFTER_WAKE_WORD_S = 0.3
+"""The wake word's own end may still be speech; what follows it is longer."""
 REQUEST_LONGEST_S = 12.0
 """A request is cut off here, counted from the wake word or the button."""
 NO_SPEECH_S = 6.0
@@ -68,7 +70,7 @@ class Pipeline:
         """What may be said now; set by whoever knows what the cell is doing."""
         self._speech = speech
         self._wake_word = wake_word
-        self._open = open_to_all
+        self.open_to_all = open_to_all
         self._rest = b""
         self._now_s = 0.0
         self._after: SpokenAfter = ""
@@ -83,6 +85,13 @@ class Pipeline:
     def recording(self) -> SpokenAfter:
         """What made the ears take what is said now for a request; empty while they do not."""
         return self._after
+
+    @property
+    def how_to_begin(self) -> str:
+        """What a person has to do before a request, in words."""
+        if self._wake_word is None:
+            return "Press the button and say what you would like."
+        return f"Say \u201c{self._wake_word.word}\u201d, then what you would like."
 
     @property
     def now_s(self) -> float:
@@ -150,7 +159,7 @@ class Pipeline:
 
     def _complete(self) -> bool:
         """Whether what is being said has come to its end, or must."""
-        requested = self._after or (self._open and self.expecting == "request")
+        requested = self._after or (self.open_to_all and self.expecting == "request")
         if requested:
             begun_s = self._activated_s if self._after else self._now_s - self._length_s
             if self._now_s - begun_s > REQUEST_LONGEST_S:
@@ -169,10 +178,11 @@ class Pipeline:
         """End the utterance; None when it was too short to be one."""
         pcm, speech_s = b"".join(self._spoken), self._speech_s
         self._drop()
-        if speech_s < SHORTEST_SPEECH_S:
+        woken = self._after == "wake_word"
+        if speech_s < (SHORTEST_AFTER_WAKE_WORD_S if woken else SHORTEST_SPEECH_S):
             return None
         after, self._after = self._after, ""
-        if not after and self._open and self.expecting == "request":
+        if not after and self.open_to_all and self.expecting == "request":
             after = "open"
         return Segment(pcm=pcm, after=after, speech_end_s=self._speech_end_s)
 

@@ -1,0 +1,177 @@
+"""One microphone, opened through PortAudio.
+
+The callback does nothing but put the sound into a queue of limited length. A stream in trouble is
+aborted, never stopped: ``stop`` waits for sound that may not come any more. PortAudio learns of
+devices only when it is started anew, so it is, before each opening.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import time
+from typing import TYPE_CHECKING, Any
+
+from cellctl.errors import HearingError
+from cellctl.listening.ears import sound_server
+from cellctl.listening.ears.detectors import CHUNK_BYTES, CHUNK_SAMPLES
+from cellctl.listening.recogniser import SAMPLE_RATE_HZ
+
+if TYPE_CHECKING:
+    import sounddevice
+
+QUEUE_S = 1.5
+"""Sound that may wait to be looked at; when more has come in, all of it is thrown away."""
+_SERVER_DEVICES = ("pulse", "pipewire")
+"""PortAudio's names for the sound server as a whole."""
+
+
+class MicrophoneError(HearingError):
+    """The microphone cannot be opened."""
+
+
+def portaudio() -> Any:
+    """The library's module.
+
+    Raises:
+        HearingError: it is not installed.
+    """
+    try:
+        import sounddevice  # noqa: PLC0415 - starts PortAudio, only where it is used
+    except (ImportError, OSError) as error:
+        raise HearingError(
+            f"The microphone's library is missing: {error}.",
+            "pip install 'cellctl[speech]', and on Debian apt install libportaudio2.",
+        ) from error
+    return sounddevice
+
+
+def input_devices() -> list[str]:
+    """Names of everything that PortAudio could record from, as it is now.
+
+    Raises:
+        HearingError: PortAudio is not installed or does not start.
+    """
+    library = portaudio()
+    _restart(library)
+    return [str(d["name"]) for d in library.query_devices() if d["max_input_channels"] > 0]
+
+
+class Microphone:
+    """An open microphone; made by opening it.
+
+    Args:
+        wanted: ``hearing.microphone``: empty, or a part of a device's or a source's name.
+
+    Raises:
+        HearingError: there is none of that name, or it cannot be opened.
+    """
+
+    def __init__(self, wanted: str) -> None:
+        library = portaudio()
+        _restart(library)
+        device, self.name, self.source = _find(library, wanted)
+        self.opened_s = time.monotonic()
+        self.heard_s: float | None = None
+        """When the newest sound came in (monotonic); None before the first."""
+        self.finished = False
+        """PortAudio has ended the stream by itself."""
+        self.lost_s = 0.0
+        """Sound that was thrown away because nobody took it in time."""
+        self._queue: queue.Queue[bytes] = queue.Queue(int(QUEUE_S * SAMPLE_RATE_HZ / CHUNK_SAMPLES))
+        try:
+            self._stream: sounddevice.RawInputStream = library.RawInputStream(
+                device=device,
+                samplerate=SAMPLE_RATE_HZ,
+                channels=1,
+                dtype="int16",
+                blocksize=CHUNK_SAMPLES,
+                latency="low",
+                callback=self._take,
+                finished_callback=self._finish,
+            )
+            self._stream.start()
+        except (library.PortAudioError, ValueError) as error:
+            raise MicrophoneError(f"{self.name}: cannot be opened: {error}.") from error
+
+    def read(self, timeout_s: float) -> bytes:
+        """The next piece of sound; empty when none comes in time (wall time)."""
+        with contextlib.suppress(queue.Empty):
+            return self._queue.get(timeout=timeout_s)
+        return b""
+
+    @property
+    def silent_for_s(self) -> float:
+        """How long no sound has come in, zeros included (wall time)."""
+        last_s = self.heard_s if self.heard_s is not None else self.opened_s
+        return time.monotonic() - last_s
+
+    def close(self) -> None:
+        """Let go of it at once."""
+        self._stream.abort(ignore_errors=True)
+        self._stream.close(ignore_errors=True)
+
+    def _take(self, sound: Any, frames: int, timing: object, status: object) -> None:
+        """PortAudio's callback, in its own thread."""
+        del frames, timing, status
+        self.heard_s = time.monotonic()
+        try:
+            self._queue.put_nowait(bytes(sound))
+        except queue.Full:
+            self.lost_s += len(sound) / CHUNK_BYTES * CHUNK_SAMPLES / SAMPLE_RATE_HZ
+
+    def _finish(self) -> None:
+        self.finished = True
+
+    def drain(self) -> None:
+        """Throw away what waits."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._queue.get_nowait()
+
+
+def _restart(library: Any) -> None:
+    """Let PortAudio look for devices anew.
+
+    Raises:
+        MicrophoneError: it does not start.
+    """
+    try:
+        with contextlib.suppress(library.PortAudioError):
+            library._terminate()
+        library._initialize()
+    except library.PortAudioError as error:
+        raise MicrophoneError(f"PortAudio does not start: {error}.") from error
+
+
+def _find(library: Any, wanted: str) -> tuple[int, str, str]:
+    """The microphone that is meant: PortAudio's number, its name for people, and the sound server's
+    name where it was chosen by that."""
+    os.environ.pop("PULSE_SOURCE", None)
+    inputs = {
+        number: str(device["name"])
+        for number, device in enumerate(library.query_devices())
+        if device["max_input_channels"] > 0
+    }
+    if not inputs:
+        raise MicrophoneError("There is no microphone.", "Plug one in.")
+    servers = [n for n, name in inputs.items() if name in _SERVER_DEVICES]
+    if not wanted:
+        default = int(library.default.device[0])
+        # The server shares its microphones; ALSA's own default may not.
+        number = servers[0] if servers and sound_server.sources() else default
+        number = number if number in inputs else next(iter(inputs))
+        return number, inputs[number], ""
+    for number, name in inputs.items():
+        if wanted.lower() in name.lower():
+            return number, name, ""
+    for source in sound_server.sources() if servers else []:
+        if wanted.lower() in f"{source.name}\n{source.description}".lower():
+            # The sound server's library reads this when the stream is opened.
+            os.environ["PULSE_SOURCE"] = source.name
+            return servers[0], source.description, source.name
+    raise MicrophoneError(
+        f"There is no microphone {wanted!r}.",
+        "`cellctl microphone` lists what is there.",
+    )
