@@ -41,7 +41,7 @@ def cell(speed: float) -> Iterator[tuple[CellClient, psutil.Process, Path]]:
         with (
             emulated_cell(own, speed),
             running_daemon(own, Path(name)) as daemon,
-            CellClient(own.bus.control, own.bus.status) as client,
+            CellClient.for_role(own) as client,
         ):
             wait_idle(client, daemon)
             yield client, psutil.Process(daemon.process.pid), Path(name)

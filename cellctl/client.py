@@ -5,6 +5,7 @@ A ``CellClient`` is synchronous and belongs to one thread. Every wait has a time
 
 from __future__ import annotations
 
+import os
 import secrets
 import time
 from collections.abc import Iterator
@@ -15,6 +16,8 @@ import zmq
 from pydantic import ValidationError
 
 from cellctl.assembly import Role
+from cellctl.config import CellConfig
+from cellctl.endpoints import socket_file
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.messages import (
     MAX_ATTACHMENT,
@@ -30,37 +33,52 @@ from cellctl.messages import (
     Snapshot,
     SnapshotCommand,
     StatusMessage,
+    attachment_limit,
 )
 
 
 class NoDaemonError(CellctlError):
-    """Nothing answers on the control socket."""
+    """Nothing answers at the door."""
 
 
 class CellClient:
     """Talks to one daemon.
 
     Args:
-        control: end point of the control socket.
+        door: end point to ask at; the visitor's or the operator's, which decides what is allowed.
         status: end point of the status socket.
-        role: who asks; an operator's commands are refused to a visitor.
         timeout_s: how long to wait for a reply (wall time).
+        max_attachment: largest file that is taken at that door, in bytes.
     """
 
     def __init__(
         self,
-        control: str,
+        door: str,
         status: str,
-        role: Role = Role.OPERATOR,
         timeout_s: float = 10.0,
+        max_attachment: int = MAX_ATTACHMENT,
     ) -> None:
         self._context = zmq.Context()
         self._context.setsockopt(zmq.LINGER, 0)
-        self._control_endpoint = control
-        self._status_endpoint = status
-        self._role = role
+        self._door = door
+        self._status = status
         self._timeout_s = timeout_s
+        self._max_attachment = max_attachment
         self._subscription: zmq.Socket[bytes] | None = None
+
+    @classmethod
+    def for_role(
+        cls, config: CellConfig, role: Role = Role.OPERATOR, timeout_s: float = 10.0
+    ) -> Self:
+        """A client that knocks at that role's door of the cell.
+
+        Args:
+            config: the cell's configuration.
+            role: whose door; who may use it, the cell decides.
+            timeout_s: how long to wait for a reply (wall time).
+        """
+        limit = attachment_limit(role, config.hearing.max_audio_s)
+        return cls(config.bus.door(role), config.bus.status, timeout_s, limit)
 
     def __enter__(self) -> Self:
         return self
@@ -82,44 +100,54 @@ class CellClient:
 
         Raises:
             NoDaemonError: no reply within the time-out.
-            RefusedError: the daemon does not allow it now, or not to this role.
+            RefusedError: the daemon does not allow it now, or not to this role, or is too busy.
             UsageError: the daemon could not make sense of it.
         """
-        if attachment is not None and len(attachment) > MAX_ATTACHMENT:
+        if attachment is not None and len(attachment) > self._max_attachment:
             raise UsageError(
                 f"The file has {len(attachment) / 1e6:.0f} MB; "
-                f"{MAX_ATTACHMENT / 1e6:.0f} MB are taken at most."
+                f"{self._max_attachment / 1e6:.0f} MB are taken at most."
             )
-        request = ControlRequest(id=secrets.token_hex(8), role=self._role, body=body)
+        self._refuse_if_closed()
+        request = ControlRequest(id=secrets.token_hex(8), body=body)
         frames = [request.model_dump_json().encode()]
         if attachment is not None:
             frames.append(attachment)
         socket: zmq.Socket[bytes] = self._context.socket(zmq.DEALER)
         try:
-            socket.connect(self._control_endpoint)
+            socket.connect(self._door)
             socket.send_multipart(frames)
             if not socket.poll(int(self._timeout_s * 1000)):
                 raise NoDaemonError(
-                    f"No cell answers on {self._control_endpoint}.",
+                    f"No cell answers on {self._door}.",
                     "Start it with `cellctl run`, or name its configuration with --config.",
                 )
             reply = ControlReply.model_validate_json(socket.recv_multipart()[-1])
         except ValidationError as error:
-            raise CellctlError(f"{self._control_endpoint} sent an unreadable reply.") from error
+            raise CellctlError(f"{self._door} sent an unreadable reply.") from error
         finally:
             socket.close()
         if reply.error is not None:
-            kind = RefusedError if reply.error.code == "refused" else UsageError
+            kind = RefusedError if reply.error.code in {"refused", "busy"} else UsageError
             if reply.error.code == "internal":
                 kind = CellctlError  # type: ignore[assignment]
             raise kind(reply.error.message, reply.error.hint)
         return reply
 
+    def _refuse_if_closed(self) -> None:
+        """A door that this user may not open would look like a daemon that does not answer."""
+        file = socket_file(self._door)
+        if file is not None and file.exists() and not os.access(file, os.W_OK):
+            raise RefusedError(
+                f"You may not use {self._door}: its group alone may.",
+                "Ask in a visitor's name with --role visitor, or have yourself put into its group.",
+            )
+
     def snapshot(self) -> Snapshot:
         """The whole picture."""
         reply = self.request(SnapshotCommand())
         if reply.snapshot is None:
-            raise CellctlError(f"{self._control_endpoint} sent no snapshot.")
+            raise CellctlError(f"{self._door} sent no snapshot.")
         return reply.snapshot
 
     def say(self, text: str) -> ControlReply:
@@ -156,7 +184,7 @@ class CellClient:
         if self._subscription is None:
             socket: zmq.Socket[bytes] = self._context.socket(zmq.SUB)
             socket.setsockopt(zmq.RCVHWM, 10_000)
-            socket.connect(self._status_endpoint)
+            socket.connect(self._status)
             socket.subscribe(b"")
             self._subscription = socket
 

@@ -209,7 +209,7 @@ class HearingSection(Section):
     activation: Literal["wake_word", "push_to_talk", "open"] = "wake_word"
     """What makes a sentence a request: the wake word, `cellctl listen`, or nothing. Either of the
     first two leaves the button at work."""
-    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "hey_mycroft"
+    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "okay_nabu"
     """The phrase that is waited for."""
     max_audio_s: Annotated[float, Field(ge=1.0, le=120.0)] = 30.0
     """Longer recordings are refused."""
@@ -234,7 +234,7 @@ class BusSection(Section):
     operator: str = "tcp://127.0.0.1:5574"
     """Where operators' commands are taken: the operator's door."""
     keys: Annotated[str, Field(min_length=1)] = "/etc/cellctl/keys"
-    """Folder of the keys of end points wider than ipc and loopback; `cellctl keys make` fills it."""
+    """Folder of the keys, for end points that are wider than that; `cellctl keys make` fills it."""
     heartbeat_s: Annotated[float, Field(gt=0.0, le=10.0)] = 1.0
     """Longest silence on the status stream (wall time)."""
 

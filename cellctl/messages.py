@@ -15,12 +15,14 @@ from pydantic import Field
 from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
 from cellctl.errors import FaultEntry
 
-SCHEMA_VERSION: Final = 1
+SCHEMA_VERSION: Final = 2
 
 MAX_TEXT = 500
 """Longest sentence that ``say`` takes, in characters."""
 MAX_ATTACHMENT = 64 * 1024 * 1024
-"""Largest file that a request may carry, in bytes."""
+"""Largest file that an operator's request may carry, in bytes."""
+MAX_REQUEST = 64 * 1024
+"""Largest first frame of a request, in bytes."""
 
 
 class StateData(Value):
@@ -208,7 +210,7 @@ TOPIC_OF = {model: topic for topic, model in TOPICS.items()}
 class StatusMessage(Value):
     """Envelope of every status message."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     seq: int
     """Counts all messages of one daemon from 1; a gap means that messages were lost."""
     time: datetime
@@ -225,7 +227,7 @@ class StatusMessage(Value):
 class Snapshot(Value):
     """The whole picture for one who joins late; ``seq`` is the last message it includes."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     seq: int
     version: str
     cell: str
@@ -300,26 +302,31 @@ class MuteCommand(Value):
 
 
 Command = Annotated[
-    SnapshotCommand | SayCommand | HearCommand | BuildCommand | ConfirmCommand | PlainCommand
-    | ListenCommand | MuteCommand,
+    SnapshotCommand
+    | SayCommand
+    | HearCommand
+    | BuildCommand
+    | ConfirmCommand
+    | PlainCommand
+    | ListenCommand
+    | MuteCommand,
     Field(discriminator="command"),
 ]
 
 
 class ControlRequest(Value):
-    """A request on the control socket."""
+    """A request; the role of the one who asks follows from the door it comes in by."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     id: Annotated[str, Field(min_length=1, max_length=64)]
     """Chosen by the one who asks; the reply carries it."""
-    role: Role
     body: Command
 
 
 class ReplyError(Value):
-    """Why a request was not carried out."""
+    """Why a request was not carried out; ``busy``: too many wait, the same may be asked again."""
 
-    code: Literal["invalid", "refused", "usage", "internal"]
+    code: Literal["invalid", "refused", "busy", "usage", "internal"]
     message: str
     hint: str = ""
 
@@ -327,7 +334,7 @@ class ReplyError(Value):
 class ControlReply(Value):
     """The answer to one request."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     id: str
     ok: bool
     state: str
@@ -337,6 +344,16 @@ class ControlReply(Value):
     job_id: str = ""
     snapshot: Snapshot | None = None
     error: ReplyError | None = None
+
+
+def attachment_limit(role: Role, max_audio_s: float) -> int:
+    """Largest file that a request of that role may carry, in bytes.
+
+    A visitor sends recordings only: the longest that is listened to, in the largest form that
+    sound cards deliver (48 kHz, stereo, 32 bit), and the file's header.
+    """
+    recording = int(max_audio_s * 48_000 * 2 * 4) + MAX_REQUEST
+    return MAX_ATTACHMENT if role is Role.OPERATOR else min(recording, MAX_ATTACHMENT)
 
 
 OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear", "unmute"})

@@ -132,9 +132,12 @@ def test_the_grid_is_what_fits_whole(
         # What must fit together.
         ("robot.model", "ur10", "robot.rtde_frequency_hz must be 125 for a ur10"),
         ("workspace.size_m", [0.6, 0.5, 0.05], "must hold at least one voxel on every axis"),
-        ("bus.status", "tcp://0.0.0.0:5571", "status must be ipc:// or tcp://127.x.x.x"),
-        ("bus.control", "tcp://192.168.0.2:5572", "control must be ipc:// or tcp://127.x.x.x"),
-        ("bus.status", "tcp://127.0.0.1:5572", "status and control must differ"),
+        ("bus.status", "udp://127.0.0.1:5571", "status must be ipc:///PATH or tcp://ADDRESS:PORT"),
+        ("bus.visitor", "tcp://127.0.0.1", "visitor must be ipc:///PATH or tcp://ADDRESS:PORT"),
+        ("bus.visitor", "tcp://127.0.0.1:70000", "visitor must be ipc:///PATH or tcp://"),
+        ("bus.operator", "ipc://@cell", "operator must be ipc:// and an absolute path"),
+        ("bus.status", "tcp://127.0.0.1:5572", "status and visitor must differ"),
+        ("bus.control", "tcp://127.0.0.1:5572", "bus.control: unknown key; did you mean"),
     ],
 )
 def test_what_is_wrong_is_named(key: str, value: Any, message: str) -> None:

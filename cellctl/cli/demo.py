@@ -64,7 +64,7 @@ def demonstrate(
         with (
             emulated_cell(own, own.cell.clock_rate) as world,
             running_daemon(own, folder) as daemon,
-            CellClient(own.bus.control, own.bus.status, Role.VISITOR) as cell,
+            CellClient.for_role(own, Role.VISITOR) as cell,
         ):
             try:
                 wait_idle(cell, daemon)

@@ -18,7 +18,7 @@ ConfigOption = Annotated[
         help="The cell's configuration; else $CELLCTL_CONFIG, else /etc/cellctl/cell.toml.",
     ),
 ]
-RoleOption = Annotated[Role, typer.Option("--role", help="In whose name to ask.")]
+RoleOption = Annotated[Role, typer.Option("--role", help="Whose door of the cell to knock at.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for other programs.")]
 
 
@@ -28,6 +28,5 @@ def configuration(path: Path | None) -> CellConfig:
 
 
 def client(path: Path | None, role: Role = Role.OPERATOR) -> CellClient:
-    """A client for the daemon of that cell."""
-    config = configuration(path)
-    return CellClient(config.bus.control, config.bus.status, role)
+    """A client for the daemon of that cell, at that role's door."""
+    return CellClient.for_role(configuration(path), role)

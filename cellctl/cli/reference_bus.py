@@ -87,21 +87,23 @@ def bus_page(note: str) -> str:
         [
             note,
             "# The bus\n",
-            f"Schema version {SCHEMA_VERSION}. The end points are `bus.status` and `bus.control` "
-            "of the configuration.\n",
+            f"Schema version {SCHEMA_VERSION}. The end points are `bus.status`, `bus.visitor` and "
+            "`bus.operator` of the configuration.\n",
             "## Status\n",
             "A PUB socket. Each message has two frames: the topic, and a JSON document "
             "([schema](bus-status.schema.json)) with `seq`, `time`, `cell_time_s`, `state`, "
             "`topic` and `data`. `seq` counts all messages: a gap means that some were lost, and "
             "`snapshot` gives the whole picture to go on from.\n",
             "| topic | what | data |\n| --- | --- | --- |\n" + topics + "\n",
-            "## Control\n",
-            "A ROUTER socket: connect a DEALER or a REQ and send one "
+            "## The two doors\n",
+            "Two ROUTER sockets, the visitor's and the operator's; what may be asked follows from "
+            "the door. Connect a DEALER or a REQ and send one "
             "JSON frame ([schema](bus-request.schema.json)), followed by the bytes of the file "
             "for `hear` and `build`. Every request gets one reply "
             "([schema](bus-reply.schema.json)) with its `id`, and either a result or a typed "
-            "error: `invalid` (no valid request), `refused` (not now, or not for this role), "
+            "error: `invalid` (no valid request), `refused` (not now, or not at this door), "
+            "`busy` (too many are under way: ask again), "
             "`usage` (its contents make no sense), `internal`.\n",
-            "| command | arguments | roles |\n| --- | --- | --- |\n" + "\n".join(commands) + "\n",
+            "| command | arguments | doors |\n| --- | --- | --- |\n" + "\n".join(commands) + "\n",
         ]
     )

@@ -6,6 +6,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from cellctl.assembly import Role
 from cellctl.cli.following import follower
 from cellctl.cli.options import ConfigOption, JsonOption, client
 from cellctl.errors import CellctlError
@@ -20,7 +21,7 @@ def register(app: typer.Typer) -> None:
     @app.command()
     def status(config: ConfigOption = None, json: JsonOption = False) -> None:
         """Show what the cell is doing, once."""
-        with client(config) as cell:
+        with client(config, Role.VISITOR) as cell:
             snapshot = cell.snapshot()
         if json:
             typer.echo(snapshot.model_dump_json(indent=2))
@@ -31,7 +32,7 @@ def register(app: typer.Typer) -> None:
     def watch(config: ConfigOption = None, json: JsonOption = False) -> None:
         """Show what the cell does, as it happens, until Ctrl-C."""
         console = Console(highlight=False)
-        with client(config) as cell:
+        with client(config, Role.VISITOR) as cell:
             cell.subscribe()
             if json:
                 for message in cell.messages(_SILENCE_S):

@@ -45,7 +45,7 @@ class Daemon:
     def __init__(self, config: CellConfig) -> None:
         self.config = config
         self.clock: Clock = SystemClock(config.cell.clock_rate)
-        self.bus = Bus(config.bus.status, config.bus.control, self.clock)
+        self.bus = Bus(config.bus, self.clock, config.hearing.max_audio_s)
         self.loop_monitor = LoopMonitor()
         self.journal = MemoryJournal(self.clock)
         self.arm: Arm = RemoteArm(config)
@@ -160,7 +160,7 @@ class Daemon:
             for name, work in (
                 ("controller", self.cell.controller.run()),
                 (
-                    "control socket",
+                    "doors",
                     self.bus.serve(self.desk.handle, lambda: self.cell.controller.state),
                 ),
                 ("heartbeat", self._heartbeat()),

@@ -83,11 +83,13 @@ class RequestDesk:
         self._snapshot = snapshot
         self._overhearing: set[asyncio.Task[None]] = set()
 
-    async def handle(self, request: ControlRequest, attachment: bytes | None) -> ControlReply:
-        """Carry one request out; never raises."""
+    async def handle(
+        self, request: ControlRequest, attachment: bytes | None, role: Role
+    ) -> ControlReply:
+        """Carry one request of that role out; never raises."""
         body = request.body
         try:
-            message = await self._dispatch(request, attachment)
+            message = await self._dispatch(request, attachment, role)
         except CellctlError as error:
             return self._reply(
                 request,
@@ -123,8 +125,8 @@ class RequestDesk:
             error=error,
         )
 
-    async def _dispatch(self, request: ControlRequest, attachment: bytes | None) -> str:
-        body, role = request.body, request.role
+    async def _dispatch(self, request: ControlRequest, attachment: bytes | None, role: Role) -> str:
+        body = request.body
         if role is not Role.OPERATOR and body.command in OPERATOR_COMMANDS:
             raise RefusedError(f"{body.command} needs the operator.")
         match body:
@@ -140,18 +142,20 @@ class RequestDesk:
                 )
                 return f"Planning {body.name}."
             case ConfirmCommand():
-                return await self._word(body.answer)
+                return await self._word(body.answer, role)
             case PlainCommand():
-                return await self._word(body.command)
+                return await self._word(body.command, role)
             case _:
                 return ""
 
-    async def _word(self, word: str | bool) -> str:
+    async def _word(self, word: str | bool, role: Role) -> str:
         """Carry out a command without arguments, or a yes or no."""
         controller = self._cell.controller
         if isinstance(word, bool):
             await controller.command(Event.CONFIRM if word else Event.DECLINE)
             return "Then I begin." if word else "Then I leave it."
+        if word == "cancel":
+            self._refuse_to_cancel_anothers(role)
         if word == "resume":
             await controller.command(self._cell.resume_event())
         elif word == "clear":
@@ -205,7 +209,18 @@ class RequestDesk:
             raise UsageError(f"{word!r} is no command of this cell.")
         if role is not Role.OPERATOR and meaning in OPERATOR_COMMANDS:
             raise RefusedError(f"{word} needs the operator.")
-        return await self._word(meaning)
+        return await self._word(meaning, role)
+
+    def _refuse_to_cancel_anothers(self, role: Role) -> None:
+        """A visitor may end what a visitor began; an operator everything."""
+        job = self._cell.job
+        if job is None or job.outcome:
+            return
+        if role is Role.VISITOR and job.role is not role:
+            raise RefusedError(
+                "The operator began this job; cancel needs the operator.",
+                "Say stop if the cell has to stop now.",
+            )
 
     def _refuse_if_occupied(self) -> None:
         if self._cell.controller.state == "idle" and self._cell.builder.standing:

@@ -159,8 +159,8 @@ def running_cell(
         with (
             emulated_cell(own, speed) as world,
             running_daemon(own, Path(name)) as daemon,
-            CellClient(own.bus.control, own.bus.status) as client,
-            CellClient(own.bus.control, own.bus.status, Role.VISITOR) as visitor,
+            CellClient.for_role(own) as client,
+            CellClient.for_role(own, Role.VISITOR) as visitor,
         ):
             client.subscribe()
             cell = RunningCell(own, world, client, visitor, patience_s=patience_s)

@@ -70,7 +70,9 @@ def test_stop_brakes_at_once_and_keeps_the_part(idle: RunningCell) -> None:
 def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningCell) -> None:
     begin(idle, height=3)
     idle.wait_state("assembling_placing")
-    idle.visitor.command("cancel")
+    with pytest.raises(RefusedError, match="The operator began this job"):
+        idle.visitor.command("cancel")
+    idle.client.command("cancel")
     job = idle.finish()
     assert job.outcome == "cancelled"
     truth = idle.truth()
@@ -80,6 +82,12 @@ def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningC
         idle.visitor.say("the letter T")
 
 
+def test_a_visitor_may_cancel_what_a_visitor_began(idle: RunningCell) -> None:
+    idle.visitor.say("the letter T")
+    idle.visitor.command("cancel")
+    assert idle.finish().outcome == "cancelled"
+
+
 def test_a_part_that_a_cancelled_job_left_in_the_gripper_is_built_into_the_next(
     idle: RunningCell,
 ) -> None:
@@ -87,7 +95,7 @@ def test_a_part_that_a_cancelled_job_left_in_the_gripper_is_built_into_the_next(
     idle.wait("a part on its way", lambda now: now.gripper.holding == "part")
     idle.client.command("stop")
     idle.wait_state("paused_resting")
-    idle.visitor.command("cancel")
+    idle.client.command("cancel")
     job = idle.client.snapshot().job
     assert job is not None
     assert job.outcome == "cancelled"

@@ -110,7 +110,7 @@ def test_plan_says_why_not(wish: str, status: int, says: str) -> None:
 
 
 def test_a_command_without_a_daemon_says_what_to_do(tmp_path: Path) -> None:
-    bus = {"status": f"ipc://{tmp_path}/s", "control": f"ipc://{tmp_path}/c"}
+    bus = {name: f"ipc://{tmp_path}/{name}" for name in ("status", "visitor", "operator")}
     done = cellctl("stop", config=changed_config(tmp_path, bus=bus))
     assert done.returncode == 1
     assert "No cell answers" in done.stderr

@@ -1,4 +1,4 @@
-"""The two sockets: everyone gets an answer, and every message follows its schema."""
+"""Status and the two doors: everyone gets an answer, and every message follows its schema."""
 
 from __future__ import annotations
 
@@ -15,24 +15,30 @@ import zmq.asyncio
 from cellctl.assembly import Role
 from cellctl.client import CellClient, NoDaemonError
 from cellctl.clock import SystemClock
+from cellctl.config import BusSection
 from cellctl.control.bus import Bus
 from cellctl.errors import ConfigError, RefusedError
 from cellctl.messages import ControlReply, ControlRequest, GripperData, ReplyError
 
+MAX_AUDIO_S = 1.0
 
-async def handler(request: ControlRequest, attachment: bytes | None) -> ControlReply:
+
+async def handler(request: ControlRequest, attachment: bytes | None, role: Role) -> ControlReply:
     if request.body.command == "pause":
         error = ReplyError(code="refused", message="Not now.")
         return ControlReply(id=request.id, ok=False, state="idle", error=error)
     size = len(attachment or b"")
-    return ControlReply(
-        id=request.id, ok=True, state="idle", message=f"{request.role} sent {size} bytes"
-    )
+    return ControlReply(id=request.id, ok=True, state="idle", message=f"{role} sent {size} bytes")
+
+
+def settings(folder: Path, **endpoints: str) -> BusSection:
+    own = {name: f"ipc://{folder}/{name}" for name in ("status", "visitor", "operator")}
+    return BusSection.model_validate({**own, **endpoints})
 
 
 @asynccontextmanager
 async def serving(folder: Path) -> AsyncIterator[Bus]:
-    bus = Bus(f"ipc://{folder}/status", f"ipc://{folder}/control", SystemClock())
+    bus = Bus(settings(folder), SystemClock(), MAX_AUDIO_S)
     bus.open()
     task = asyncio.create_task(bus.serve(handler, lambda: "idle"))
     try:
@@ -43,8 +49,9 @@ async def serving(folder: Path) -> AsyncIterator[Bus]:
         bus.close()
 
 
-def client(folder: Path, timeout_s: float = 10.0) -> CellClient:
-    return CellClient(f"ipc://{folder}/control", f"ipc://{folder}/status", Role.VISITOR, timeout_s)
+def client(folder: Path, timeout_s: float = 10.0, role: Role = Role.VISITOR) -> CellClient:
+    own = settings(folder)
+    return CellClient(own.door(role), own.status, timeout_s)
 
 
 def test_a_request_gets_its_reply_and_an_attachment_arrives(tmp_path: Path) -> None:
@@ -65,13 +72,10 @@ def test_a_request_gets_its_reply_and_an_attachment_arrives(tmp_path: Path) -> N
         (b"", "Invalid JSON"),
         (b"\xff\xfe", "Invalid JSON"),
         (b"[]", "should be an object"),
-        (b'{"id": "1", "role": "visitor", "body": {"command": "fly"}}', "fly"),
-        (b'{"id": "1", "role": "king", "body": {"command": "stop"}}', "role"),
-        (b'{"id": "1", "role": "visitor", "body": {"command": "say", "text": ""}}', "text"),
-        (
-            b'{"schema_version": 2, "id": "1", "role": "visitor", "body": {"command": "stop"}}',
-            "schema_version",
-        ),
+        (b'{"id": "1", "body": {"command": "fly"}}', "fly"),
+        (b'{"id": "1", "role": "operator", "body": {"command": "stop"}}', "role"),
+        (b'{"id": "1", "body": {"command": "say", "text": ""}}', "text"),
+        (b'{"schema_version": 1, "id": "1", "body": {"command": "stop"}}', "schema_version"),
     ],
 )
 def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, says: str) -> None:
@@ -80,7 +84,7 @@ def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, say
             context = zmq.asyncio.Context()
             socket = context.socket(zmq.DEALER)
             try:
-                socket.connect(f"ipc://{tmp_path}/control")
+                socket.connect(settings(tmp_path).visitor)
                 await socket.send(frame)
                 async with asyncio.timeout(10):
                     return ControlReply.model_validate_json((await socket.recv_multipart())[-1])
@@ -99,8 +103,8 @@ def test_a_plain_req_socket_is_answered(tmp_path: Path) -> None:
             context = zmq.asyncio.Context()
             socket = context.socket(zmq.REQ)
             try:
-                socket.connect(f"ipc://{tmp_path}/control")
-                await socket.send(b'{"id": "7", "role": "visitor", "body": {"command": "stop"}}')
+                socket.connect(settings(tmp_path).visitor)
+                await socket.send(b'{"id": "7", "body": {"command": "stop"}}')
                 async with asyncio.timeout(10):
                     return ControlReply.model_validate_json(await socket.recv())
             finally:
@@ -125,7 +129,7 @@ def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:
             GripperData(holding="nothing"),
         ]
         assert {message.topic for message in messages} == {"gripper"}
-        assert json.loads(messages[0].model_dump_json())["schema_version"] == 1
+        assert json.loads(messages[0].model_dump_json())["schema_version"] == 2
 
     asyncio.run(exercise())
 
@@ -134,8 +138,9 @@ def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:
 def test_a_second_daemon_on_the_same_end_points_is_refused(tmp_path: Path, kind: str) -> None:
     async def exercise() -> None:
         endpoint = f"tcp://127.0.0.1:{free_port()}" if kind == "tcp" else f"ipc://{tmp_path}/s"
-        first = Bus(endpoint, f"ipc://{tmp_path}/a", SystemClock())
-        second = Bus(endpoint, f"ipc://{tmp_path}/b", SystemClock())
+        (tmp_path / "b").mkdir()
+        first = Bus(settings(tmp_path, status=endpoint), SystemClock(), MAX_AUDIO_S)
+        second = Bus(settings(tmp_path / "b", status=endpoint), SystemClock(), MAX_AUDIO_S)
         try:
             first.open()
             with pytest.raises(ConfigError, match="Another daemon may be running"):
