@@ -64,6 +64,8 @@ class Ears:
         self._heard_s = 0.0
         self._started = False
         self._doubted = False
+        self._condition: Condition | None = None
+        """The newest that the process told."""
         self._expecting: Expecting = "request"
         self._muted = False
 
@@ -164,7 +166,10 @@ class Ears:
                     await line
             if not data.endswith(b"\n"):
                 return "The ears' process has ended."
-            self._heard_s, self._doubted = time.monotonic(), False
+            self._heard_s = time.monotonic()
+            if self._doubted and self._condition is not None:
+                self._put(self._condition)
+            self._doubted = False
             try:
                 event = FromEars.validate_json(data)
             except ValidationError as error:
@@ -172,6 +177,8 @@ class Ears:
             if isinstance(event, Alive):
                 self._started = True
             else:
+                if isinstance(event, Condition):
+                    self._condition = event
                 self._put(event)
 
     def _hangs(self) -> bool:
