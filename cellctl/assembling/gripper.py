@@ -16,6 +16,18 @@ class Gripper(Protocol):
         """
         ...
 
+    async def check_wiring(self) -> float:
+        """Prove both lines by moving the latch: open, closed, open. Never with a part in it, which
+        it would drop; a new cell's commissioning asks for it.
+
+        Returns:
+            Time from the command to the confirmation of a latch, in seconds (cell time).
+
+        Raises:
+            CellFault: ``gripper_silent`` or ``gripper_fault``; says which line does not do what.
+        """
+        ...
+
     async def unlatch(self) -> None:
         """Let the part go and wait until the gripper confirms it.
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import structlog
 
-from cellctl.assembling.arm import Arm
+from cellctl.assembling.arm import Arm, ArmState
 from cellctl.config import CellConfig
 from cellctl.errors import CellFault
 
@@ -67,6 +67,46 @@ class LatchGripper:
         raise CellFault(
             "gripper_silent", "The status line stays high although the latch was told to open."
         )
+
+    async def check_wiring(self) -> float:
+        await self.unlatch()
+        before = self._state()
+        await self._command(open_=False)
+        rose = await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
+        after = self._state()
+        revoked = rose and await self._status(high=False, timeout_s=_STEADY_S)
+        # Whatever was seen, the latch is left open: nobody counts on it to hold anything.
+        await self._command(open_=True)
+        if not rose:
+            raise CellFault("gripper_silent", self._never_rose(before, after))
+        if revoked:
+            raise CellFault(
+                "gripper_fault",
+                f"Input {self._lines.status_input} rose and fell again although the latch was told "
+                "to stay closed.",
+            )
+        await self.unlatch()
+        return after.robot_time_s - before.robot_time_s
+
+    def _never_rose(self, before: ArmState, after: ArmState) -> str:
+        """What the inputs did instead when output and status line should have closed the latch."""
+        lines = self._lines
+        changed = before.digital_inputs ^ after.digital_inputs
+        others = [line for line in range(8) if changed >> line & 1 and line != lines.status_input]
+        told = (
+            f"Output {lines.command_output} was told to close the latch, and input "
+            f"{lines.status_input} did not rise within {lines.travel_timeout_s:.1f} s"
+        )
+        if others:
+            names = " and ".join(str(line) for line in others)
+            return f"{told}; input {names} changed instead: is that the status line?"
+        return f"{told}; no input changed: look at the command line and at the gripper's power."
+
+    def _state(self) -> ArmState:
+        state = self._arm.state()
+        if state is None:
+            raise CellFault("robot_lost")
+        return state
 
     def _commanded_open(self) -> bool:
         state = self._arm.state()

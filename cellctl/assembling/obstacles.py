@@ -94,6 +94,33 @@ class Obstacles:
         way = (self.frame_from_base @ end)[:3, 3] - origin
         return _line_enters(origin, way, grown_low, grown_high)
 
+    def gaps_m(self, body: Body, pose: Matrix) -> Floats:
+        """How far the body is from each box, in metres; negative by how deep it is in one.
+
+        Args:
+            body: what moves.
+            pose: TCP pose in the base frame.
+
+        Returns:
+            n distances.
+        """
+        apart = self._apart_m(body, pose)
+        outside = np.linalg.norm(np.maximum(apart, 0.0), axis=1)
+        gaps: Floats = np.where(outside > 0.0, outside, apart.max(axis=1))
+        return gaps
+
+    def sideways_m(self, body: Body, pose: Matrix) -> Floats:
+        """The same, sideways only, however high body and boxes are."""
+        sideways: Floats = self._apart_m(body, pose)[:, :2].max(axis=1)
+        return sideways
+
+    def _apart_m(self, body: Body, pose: Matrix) -> Floats:
+        """n x 3 distances along the frame's axes; negative where the extents overlap."""
+        frame = self.frame_from_base @ pose
+        corners = body.corners @ frame[:3, :3].T + frame[:3, 3]
+        apart: Floats = np.maximum(self.low - corners.max(axis=0), corners.min(axis=0) - self.high)
+        return apart
+
 
 def _line_enters(origin: Floats, way: Floats, low: Floats, high: Floats) -> Flags:
     """Whether the segment from ``origin`` along ``way`` enters each box (n x 3 corners)."""
@@ -197,15 +224,21 @@ class Surroundings:
         return tuple(groups)
 
 
+def first_named(group: Obstacles, flags: Flags) -> str | None:
+    """Name of the first flagged obstacle of a group, or None."""
+    hits = np.flatnonzero(flags)
+    return group.names[int(hits[0])] if hits.size else None
+
+
 def first_touched(
     groups: Sequence[Obstacles], bodies: Sequence[Body], start: Matrix, end: Matrix
 ) -> str | None:
     """Name of an obstacle that a body touches on the straight way, or None."""
     for group in groups:
         for body in bodies:
-            hits = np.flatnonzero(group.touched(body, start, end))
-            if hits.size:
-                return group.names[int(hits[0])]
+            name = first_named(group, group.touched(body, start, end))
+            if name is not None:
+                return name
     return None
 
 

@@ -15,13 +15,14 @@ from collections.abc import Collection, Sequence
 
 from cellctl.assembling.arm import Waypoint
 from cellctl.assembling.frames import Frames
+from cellctl.assembling.hand_routes import HandRoutes
 from cellctl.assembling.kinematics import Kinematics, same_configuration
 from cellctl.assembling.obstacles import highest_below
 from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
-from cellctl.assembling.route_check import Leg, RouteChecker, Scene, Stance
+from cellctl.assembling.route_check import Leg, Route, RouteChecker, Scene, Stance
 from cellctl.assembling.timing import duration_s
 from cellctl.assembly import Cell, Value
-from cellctl.config import CellConfig, Joints, Pose
+from cellctl.config import CellConfig, Joints, Pose, Vector
 from cellctl.errors import PlanError
 
 __all__ = ["Route", "RoutePlanner", "Stance", "StepRoute"]
@@ -31,18 +32,6 @@ _SAME_TURN_RAD = 0.01
 _SLOW_BLEND_M = 0.002
 _BLEND_SHARE = 0.45
 """Largest share of a leg that one blend may use, so that two never overlap."""
-
-
-class Route(Value):
-    """A checked path from one stance."""
-
-    path: tuple[Waypoint, ...]
-    """Empty where the arm is already there."""
-    duration_s: float
-    """Planned, from rest to rest, in cell time."""
-    crossing_height_m: float
-    """Height of the TCP above the floor while crossing."""
-    end: Stance
 
 
 class StepRoute(Value):
@@ -70,6 +59,7 @@ class RoutePlanner:
         self._checker = RouteChecker(config, self._frames, self._kinematics)
         home_rad = config.robot.home_rad
         self.home = Stance(self._tcp_of(home_rad), home_rad)
+        self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
 
     def pick_stance(self) -> Stance:
         """Gripping the part at the pick station.
@@ -118,10 +108,74 @@ class RoutePlanner:
     def to_home(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
         """From anywhere to where the arm rests.
 
+        Where no path leads there, because somebody moved the arm by hand into another
+        configuration or too close to something, it goes straight up first, and turns the joints at
+        the end: then ``Route.joints`` is set.
+
         Raises:
-            PlanError: there is no such way; ``check_joint_move`` may still allow turning joints.
+            PlanError: there is no such way; the message says what is in the way.
         """
-        return self._route(start, self.home, self._checker.scene(placed, carrying=carrying))
+        scene = self._checker.scene(placed, carrying=carrying)
+        return self._hand.home(
+            start, self.home, scene, placed, lambda begin: self._route(begin, self.home, scene)
+        )
+
+    def jog(
+        self,
+        start: Stance,
+        placed: frozenset[Cell],
+        delta_m: Vector,
+        turn_rad: float,
+        *,
+        carrying: bool,
+    ) -> Route:
+        """One slow step by an operator's hand: straight along one axis of the cell frame, or a
+        turn about the vertical through the TCP. It keeps the clearance to everything, or, where
+        the arm is too close already, leads away.
+
+        Args:
+            start: where the arm is.
+            placed: what stands.
+            delta_m: at most ``hand_routes.JOG_M`` along one axis.
+            turn_rad: at most ``hand_routes.JOG_RAD``, counter-clockwise seen from above.
+            carrying: whether a part is in the gripper.
+
+        Raises:
+            PlanError: it is no such step, out of reach, or something is in the way.
+        """
+        scene = self._checker.scene(placed, carrying=carrying)
+        return self._hand.jog(start, scene, delta_m, turn_rad)
+
+    def rise(self, start: Stance, placed: frozenset[Cell], *, carrying: bool) -> Route:
+        """Slowly straight up from anywhere, above everything that stands or waits on the belt, or
+        as high as the arm reaches; no movement where it is as high already.
+
+        Raises:
+            PlanError: something is above it, or it is at the end of its reach.
+        """
+        scene = self._checker.scene(placed, carrying=carrying)
+        return self._hand.rise(start, scene, placed)
+
+    def to_above_station(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
+        """To one pitch above where the part at the pick station is gripped, to look at it.
+
+        Raises:
+            PlanError: there is no such way.
+        """
+        goal = self._above(self._frames.pick_tcp(), "the place above the pick station")
+        return self._route(start, goal, self._checker.scene(placed, carrying=carrying))
+
+    def to_above_cell(
+        self, cell: Cell, start: Stance, placed: Collection[Cell], *, carrying: bool
+    ) -> Route:
+        """To one pitch above where a part would be put into a cell, to look at it.
+
+        Raises:
+            PlanError: there is no such way, or no such cell.
+        """
+        self.place_stance(cell)
+        goal = self._above(self._frames.place_tcp(cell), f"the place above {_name(cell)}")
+        return self._route(start, goal, self._checker.scene(placed, carrying=carrying))
 
     def retreat(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
         """Straight up from anywhere, until nothing that stands is as high.
@@ -284,6 +338,11 @@ class RoutePlanner:
         if not same_configuration(joints_rad, near):
             raise PlanError(f"The arm would have to change its configuration to reach {what}.")
         return Stance(to_pose(tcp), joints_rad)
+
+    def _above(self, tcp: Matrix, what: str) -> Stance:
+        return self._stance(
+            self._frames.raised(tcp, self._frames.height_m(tcp) + self._pitch_m), what
+        )
 
     def _tcp_of(self, joints_rad: Joints) -> Pose:
         return to_pose(self._frames.tcp(self._kinematics.forward(joints_rad)))

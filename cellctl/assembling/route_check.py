@@ -14,17 +14,20 @@ import numpy as np
 from cellctl.assembling.arm import Waypoint
 from cellctl.assembling.frames import Frames
 from cellctl.assembling.kinematics import JOINT_SPEEDS_RAD_S, Kinematics, same_configuration
+from cellctl.assembling.links import links_touch
 from cellctl.assembling.obstacles import (
+    TOUCH_M,
     Body,
     Obstacles,
     Surroundings,
+    first_named,
     first_touched,
     gripper_body,
     part_body,
 )
 from cellctl.assembling.poses import Floats, Matrix, interpolate, to_matrix
 from cellctl.assembling.timing import blend_chord, leg_length_m
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, Value
 from cellctl.config import CellConfig, Joints, Pose
 from cellctl.errors import PlanError
 
@@ -35,6 +38,13 @@ _JUMP_RAD = 1.0
 _JOINT_SPEED_SHARE = 0.8
 """How much of the joints' speed a route may use; the rest is for accelerating and blends."""
 _JOINT_STEP_RAD = math.radians(3.0)
+_WITHDRAWAL_STEP_M = 0.002
+_CLOSER_M = 1e-4
+"""Nothing comes closer by more than this, which is rounding."""
+_DEEPEST_M = 0.02
+"""An arm that is deeper in something than this is let up past nothing else as deeply."""
+_LEAVING_SHARE = 0.1
+"""What touches is left by at least this share of the way."""
 
 
 class Stance(NamedTuple):
@@ -43,6 +53,37 @@ class Stance(NamedTuple):
     tcp_pose: Pose
     """In the base frame."""
     joints_rad: Joints
+
+
+class Route(Value):
+    """A checked path from one stance."""
+
+    path: tuple[Waypoint, ...]
+    """Empty where the arm is already there."""
+    duration_s: float
+    """Planned, from rest to rest, in cell time."""
+    crossing_height_m: float
+    """Height of the TCP above the floor while crossing."""
+    end: Stance
+    joints: Joints | None = None
+    """Where the path alone does not lead there, the joint position to turn to at its end."""
+    joint_speed_rad_s: float = 0.0
+    """Speed of the joint that turns farthest."""
+
+    def slowed(self, fraction: float) -> Route:
+        """The same route at a fraction (0 to 1) of its speeds. Blends and checks hold as well."""
+        assert 0.0 < fraction <= 1.0, "a route is slowed by a fraction"
+        path = tuple(
+            waypoint.model_copy(update={"speed_m_s": waypoint.speed_m_s * fraction})
+            for waypoint in self.path
+        )
+        return self.model_copy(
+            update={
+                "path": path,
+                "duration_s": self.duration_s / fraction,
+                "joint_speed_rad_s": self.joint_speed_rad_s * fraction,
+            }
+        )
 
 
 class Leg(NamedTuple):
@@ -123,7 +164,54 @@ class RouteChecker:
             touched = first_touched(scene.obstacles, scene.bodies, before, after)
             if touched is not None:
                 raise PlanError(f"Turning the joints there would touch {touched}.")
+        for i in range(steps + 1):
+            joints_rad = _joints(start.joints_rad, way, i / steps)
+            touched = links_touch(joints_rad, self._kinematics.model, scene.obstacles)
+            if touched is not None:
+                raise PlanError(f"Turning the joints there would bring the elbow to {touched}.")
         return largest_rad
+
+    def check_withdrawal(self, start: Pose, end: Pose, scene: Scene, margin_m: float) -> None:
+        """Check a short straight way from wherever the arm stands, too close to something or not.
+
+        What is farther away than the margin stays so. What is nearer never comes nearer, so that
+        an arm can always leave; straight up it may pass beside what is no nearer sideways than
+        what is touched already. What touches is left behind and not dragged along sideways.
+
+        Raises:
+            PlanError: something is in the way; the message names it.
+        """
+        a, b = to_matrix(start), to_matrix(end)
+        length_m = leg_length_m(start, end)
+        steps = max(1, math.ceil(length_m / _WITHDRAWAL_STEP_M))
+        poses = [interpolate(a, b, i / steps) for i in range(steps + 1)]
+        rising_m = (self._frames.cell_from_base @ (b - a))[:3, 3]
+        lifting = math.hypot(rising_m[0], rising_m[1]) < 1e-6 < rising_m[2]
+        what = "part it carries" if len(scene.bodies) > 1 else "empty gripper"
+        pairs = [(group, body) for group in scene.obstacles for body in scene.bodies]
+        touched_m = min(float(group.gaps_m(body, a).min()) for group, body in pairs)
+        for group, body in pairs:
+            near_m = np.minimum([group.gaps_m(body, pose) for pose in poses], margin_m)
+            nearest_yet_m = np.maximum.accumulate(near_m, axis=0)
+            closer = (near_m < nearest_yet_m - _CLOSER_M).any(axis=0)
+            if lifting:
+                beside_m = max(min(touched_m, -TOUCH_M), -_DEEPEST_M) - _CLOSER_M
+                closer = closer & (group.sideways_m(body, a) < beside_m)
+            if (name := first_named(group, closer)) is not None:
+                raise PlanError(
+                    f"The {what} would come closer to {name} than {margin_m * 100:.0f} cm, or "
+                    "than it is; only a way that leads off is open."
+                )
+            # Of all that is touched, what is touched most: a corner between two parts is left
+            # along the face of the one and away from the other.
+            deepest_m = near_m.min(axis=1)
+            dragged = np.diff(deepest_m) < _LEAVING_SHARE * length_m / steps
+            dragged &= deepest_m[:-1] < TOUCH_M
+            if dragged.any() and not lifting:
+                name = group.names[int(near_m[int(np.argmax(dragged))].argmin())]
+                raise PlanError(
+                    f"The {what} touches {name} and would drag along it; go straight up first."
+                )
 
     def legs(self, start: Stance, poses: Sequence[Pose]) -> list[Leg]:
         """Follow the straight legs from pose to pose with the joints.

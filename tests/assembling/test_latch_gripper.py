@@ -83,6 +83,42 @@ async def gripper(config: CellConfig) -> AsyncIterator[tuple[LatchGripper, Pins]
                     await at_work
 
 
+def test_its_wiring_is_proved_by_opening_closing_and_opening(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            assert TRAVEL_S < await latch.check_wiring() < 2.0
+            assert pins.commands == [False, True, False, True]
+
+    asyncio.run(scenario())
+
+
+def test_a_status_line_on_another_input_is_named(impatient: CellConfig) -> None:
+    lines = impatient.gripper.model_copy(update={"status_input": 5})
+
+    async def scenario() -> None:
+        async with gripper(impatient.model_copy(update={"gripper": lines})) as (latch, pins):
+            with pytest.raises(CellFault, match=r"input 5 did not rise .* input 0 changed instead"):
+                await latch.check_wiring()
+            pins.behaviour = silent
+            await pins.shown(high=False)
+            with pytest.raises(CellFault, match="no input changed: look at the command line"):
+                await latch.check_wiring()
+            assert pins.commands[-1] is True
+
+    asyncio.run(scenario())
+
+
+def test_a_latch_that_revokes_itself_fails_the_check(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = lambda is_open, since_s: not is_open and stalled(is_open, since_s)
+            with pytest.raises(CellFault, match="Input 0 rose and fell again"):
+                await latch.check_wiring()
+
+    asyncio.run(scenario())
+
+
 @pytest.fixture
 def impatient(config: CellConfig) -> CellConfig:
     lines = config.gripper.model_copy(update={"travel_timeout_s": 0.8})
