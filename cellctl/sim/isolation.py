@@ -70,6 +70,7 @@ def isolated(config: CellConfig, folder: Path, speed: float | None = None) -> Ce
                     "operator": f"ipc://{folder}/operator",
                 }
             ),
+            "journal": config.journal.model_copy(update={"path": str(folder / "journal.db")}),
             "emulation": config.emulation.model_copy(update={"control": f"ipc://{folder}/cell"}),
         }
     )
