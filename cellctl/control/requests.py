@@ -11,6 +11,7 @@ import structlog
 from cellctl.assembly import Role, Utterance
 from cellctl.control.audio import audio_file
 from cellctl.control.cell import Cell
+from cellctl.control.ears import LiveEars
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
@@ -22,6 +23,8 @@ from cellctl.messages import (
     ControlReply,
     ControlRequest,
     HearCommand,
+    ListenCommand,
+    MuteCommand,
     PlainCommand,
     ReplyError,
     SayCommand,
@@ -68,6 +71,7 @@ class RequestDesk:
         hearing: recognises speech that comes while a job is under way.
         publish: sends a status message; gets the data and the state.
         snapshot: makes the whole picture.
+        ears: the microphone.
     """
 
     def __init__(
@@ -76,11 +80,13 @@ class RequestDesk:
         hearing: Hearing,
         publish: Callable[[StatusData, str], None],
         snapshot: Callable[[], Snapshot],
+        ears: LiveEars,
     ) -> None:
         self._cell = cell
         self._hearing = hearing
         self._publish = publish
         self._snapshot = snapshot
+        self._ears = ears
         self._overhearing: set[asyncio.Task[None]] = set()
 
     async def handle(
@@ -131,7 +137,11 @@ class RequestDesk:
             raise RefusedError(f"{body.command} needs the operator.")
         match body:
             case SayCommand():
-                return await self._say(body.text, role)
+                return await self.take(Utterance(text=body.text, source="text"), role)
+            case ListenCommand():
+                return self._ears.listen()
+            case MuteCommand():
+                return self._ears.mute(body.command == "mute")
             case HearCommand():
                 return await self._hear(body.name, _file(attachment, body.name), role)
             case BuildCommand():
@@ -164,12 +174,16 @@ class RequestDesk:
             await controller.command(_EVENTS[word])
         return _DONE[word]
 
-    async def _say(self, text: str, role: Role) -> str:
-        word = spoken_command(text)
+    async def take(self, utterance: Utterance, role: Role) -> str:
+        """Do what somebody said: a command, or a wish; returns what happens now.
+
+        Raises:
+            CellctlError: why it is not done.
+        """
+        word = spoken_command(utterance.text)
         if word is not None:
             return await self._spoken_word(word, role)
         self._refuse_if_occupied()
-        utterance = Utterance(text=text, source="text")
         await self._cell.controller.command(
             Event.SAY, lambda: self._cell.begin_text(utterance, role)
         )
