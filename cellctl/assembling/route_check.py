@@ -18,6 +18,7 @@ from cellctl.assembling.links import links_touch
 from cellctl.assembling.obstacles import (
     TOUCH_M,
     Body,
+    Flags,
     Obstacles,
     Surroundings,
     first_named,
@@ -193,10 +194,10 @@ class RouteChecker:
         for group, body in pairs:
             near_m = np.minimum([group.gaps_m(body, pose) for pose in poses], margin_m)
             nearest_yet_m = np.maximum.accumulate(near_m, axis=0)
-            closer = (near_m < nearest_yet_m - _CLOSER_M).any(axis=0)
+            closer: Flags = np.any(near_m < nearest_yet_m - _CLOSER_M, axis=0)
             if lifting:
                 beside_m = max(min(touched_m, -TOUCH_M), -_DEEPEST_M) - _CLOSER_M
-                closer = closer & (group.sideways_m(body, a) < beside_m)
+                closer = np.logical_and(closer, group.sideways_m(body, a) < beside_m)
             if (name := first_named(group, closer)) is not None:
                 raise PlanError(
                     f"The {what} would come closer to {name} than {margin_m * 100:.0f} cm, or "
