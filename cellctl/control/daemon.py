@@ -18,6 +18,7 @@ from cellctl.config import CellConfig
 from cellctl.control.building import Builder
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell, Devices
+from cellctl.control.ears import LiveEars
 from cellctl.control.health import LoopMonitor
 from cellctl.control.journal import MemoryJournal
 from cellctl.control.monitor import ArmMonitor, arm_view
@@ -66,7 +67,10 @@ class Daemon:
             inventory=inventory,
         )
         self.cell = Cell(config, self.clock, self.devices, self.builder, self.bus.publish)
-        self.desk = RequestDesk(self.cell, self.hearing, self.bus.publish, self.snapshot)
+        self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish)
+        self.desk = RequestDesk(
+            self.cell, self.hearing, self.bus.publish, self.snapshot, self.ears
+        )
 
     def snapshot(self) -> Snapshot:
         """The whole picture for one who joins late."""
@@ -90,6 +94,7 @@ class Daemon:
             fault=latched.view() if latched is not None else FaultData(),
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.recogniser,
+            ears=self.ears.data,
         )
 
     def _state(self) -> str:
@@ -166,6 +171,7 @@ class Daemon:
                 ("heartbeat", self._heartbeat()),
                 ("loop monitor", self.loop_monitor.run()),
                 ("arm monitor", monitor.run()),
+                ("live ears", self.ears.run(self.desk.take)),
                 ("ears", self._warm_up_ears()),
             ):
                 task = asyncio.create_task(work, name=name)

@@ -29,7 +29,7 @@ MAX_TEXT_CHARACTERS = 500
 
 
 class Hearing:
-    """Hears wav files and typed text; one utterance at a time.
+    """Hears wav files, sound from the microphone and typed text; one utterance at a time.
 
     Args:
         settings: the ``[hearing]`` table of the configuration.
@@ -59,6 +59,19 @@ class Hearing:
         """
         timeout_s = self._load_timeout_s + RECOGNITION_FACTOR * self._settings.max_audio_s
         return await self._call(transcription.transcribe_wav, (self._settings, path), timeout_s)
+
+    async def hear_samples(self, pcm: bytes) -> Utterance:
+        """Recognise sound from the microphone, which never touches the disk.
+
+        Args:
+            pcm: 16 kHz mono 16 bit.
+
+        Raises:
+            HearingError: there is no model, or its process failed. The process is started anew by
+                the next call.
+        """
+        timeout_s = self._load_timeout_s + RECOGNITION_FACTOR * self._settings.max_audio_s
+        return await self._call(transcription.transcribe_pcm, (self._settings, pcm), timeout_s)
 
     def hear_text(self, text: str) -> Utterance:
         """Take a typed sentence as if it had been spoken.

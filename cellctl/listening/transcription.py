@@ -7,11 +7,14 @@ loads no recogniser.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
+
+import numpy as np
 
 from cellctl.assembly import Utterance
 from cellctl.config import HearingSection
 from cellctl.listening.models import open_recogniser
-from cellctl.listening.recogniser import Recogniser
+from cellctl.listening.recogniser import Recogniser, Samples
 from cellctl.listening.wav import duration_s, is_silent, read_wav
 
 _loaded: dict[HearingSection, Recogniser] = {}
@@ -32,14 +35,28 @@ def transcribe_wav(settings: HearingSection, path: Path) -> Utterance:
     Raises:
         HearingError: the file cannot be used, or there is no model.
     """
-    samples = read_wav(path, settings.max_audio_s)
+    return _transcribe(settings, read_wav(path, settings.max_audio_s), "wav")
+
+
+def transcribe_pcm(settings: HearingSection, pcm: bytes) -> Utterance:
+    """Recognise sound from the microphone: 16 kHz mono 16 bit, in memory only.
+
+    Raises:
+        HearingError: there is no model.
+    """
+    return _transcribe(settings, np.frombuffer(pcm, dtype=np.int16), "microphone")
+
+
+def _transcribe(
+    settings: HearingSection, samples: Samples, source: Literal["wav", "microphone"]
+) -> Utterance:
     if is_silent(samples):
-        return Utterance(text="", source="wav", confidence=1.0, audio_s=duration_s(samples))
+        return Utterance(text="", source=source, confidence=1.0, audio_s=duration_s(samples))
     recogniser = _recogniser(settings)
     transcript = recogniser.transcribe(samples)
     return Utterance(
         text=transcript.text,
-        source="wav",
+        source=source,
         recogniser=recogniser.name,
         confidence=transcript.confidence,
         audio_s=duration_s(samples),

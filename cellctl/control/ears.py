@@ -1,0 +1,199 @@
+"""Live ears in the daemon: what the microphone hears becomes a request, or a word of command.
+
+Everything that comes from a microphone is a visitor's. After the wake word or the button it is a
+request. Without them only *stop* counts, in every state; *pause* while something is under way; and
+*yes* and *no* while the cell asks. All other talk is forgotten as soon as it has been recognised:
+it is neither published nor logged.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+
+import structlog
+
+from cellctl.assembly import Role, Utterance
+from cellctl.config import HearingSection
+from cellctl.control.states import TRANSITIONS, Event
+from cellctl.errors import CellctlError, HearingError, RefusedError
+from cellctl.listening.ears.ears import Ears
+from cellctl.listening.ears.events import Condition, NoSpeech, Segment, WakeWordHeard
+from cellctl.listening.ears.words import overheard_command
+from cellctl.listening.hearing import Hearing
+from cellctl.messages import EarsData, SpeechData, StatusData
+
+log = structlog.get_logger(__name__)
+
+Take = Callable[[Utterance, Role], Awaitable[str]]
+"""Does what somebody said; raises CellctlError with the reason why not."""
+
+_WAITING_LIMIT = 4
+"""Utterances that may wait for the recogniser; the oldest is dropped."""
+_FOLLOW_EVERY_S = 0.05
+"""How often the state is looked at (wall time)."""
+_NOT_UNDERSTOOD = "I heard nothing that I could understand. Please say it again."
+
+
+def _sources(event: Event) -> frozenset[str]:
+    """The states in which an event does something."""
+    rows = [row.sources for row in TRANSITIONS if row.event is event]
+    return frozenset(state for sources in rows for state in sources)
+
+
+_REQUEST_STATES = _sources(Event.SAY)
+_ASKING_STATES = _sources(Event.CONFIRM)
+
+
+class LiveEars:
+    """The microphone's way into the cell.
+
+    Args:
+        settings: the ``[hearing]`` table.
+        hearing: the recogniser.
+        state: the machine's present state.
+        publish: sends a status message.
+    """
+
+    def __init__(
+        self,
+        settings: HearingSection,
+        hearing: Hearing,
+        state: Callable[[], str],
+        publish: Callable[[StatusData], None],
+    ) -> None:
+        self._settings = settings
+        self._hearing = hearing
+        self._state = state
+        self._publish = publish
+        self._ears = Ears(settings) if settings.microphone != "none" else None
+        self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
+        self.data = EarsData(
+            state="off" if self._ears is None else "starting",
+            activation=settings.activation,
+            sentence="No microphone is configured." if self._ears is None else "",
+        )
+        """What the bus shows."""
+
+    async def run(self, take: Take) -> None:
+        """Listen until cancelled; without a microphone there is nothing to do.
+
+        Args:
+            take: does what was said.
+        """
+        if self._ears is None:
+            return
+        async with asyncio.TaskGroup() as tasks:
+            tasks.create_task(self._ears.run(), name="ears process")
+            tasks.create_task(self._follow(self._ears), name="ears follow")
+            tasks.create_task(self._events(self._ears), name="ears events")
+            tasks.create_task(self._recognise(take), name="ears recognise")
+
+    def listen(self) -> str:
+        """Press the button; returns what happens now.
+
+        Raises:
+            RefusedError: there is no microphone that could hear anything.
+        """
+        ears = self._required()
+        if self.data.state in {"muted", "lost", "starting"}:
+            raise RefusedError(f"The microphone is not at work ({self.data.state}).")
+        ears.listen()
+        return "I am listening."
+
+    def mute(self, muted: bool) -> str:
+        """Close the microphone, or open it again; returns what happens now.
+
+        Raises:
+            RefusedError: no microphone is configured.
+        """
+        self._required().mute(muted)
+        if muted:
+            return "The microphone is off; I hear nothing, stop included."
+        return "The microphone is on."
+
+    def _required(self) -> Ears:
+        if self._ears is None:
+            raise RefusedError("No microphone is configured.", "Set hearing.microphone.")
+        return self._ears
+
+    async def _follow(self, ears: Ears) -> None:
+        """Keep the ears told what may be said: a command ends after less silence."""
+        while True:
+            ears.expect("request" if self._state() in _REQUEST_STATES else "command")
+            await asyncio.sleep(_FOLLOW_EVERY_S)
+
+    async def _events(self, ears: Ears) -> None:
+        while True:
+            match await ears.next_event():
+                case Condition() as condition:
+                    self._changed(condition)
+                case WakeWordHeard(word=word):
+                    log.info("wake word heard", word=word)
+                case NoSpeech():
+                    self._tell("Nobody said anything.")
+                case Segment() as segment:
+                    if self._segments.full():
+                        log.warning("too much is said at once; the oldest is not recognised")
+                        self._segments.get_nowait()
+                    self._segments.put_nowait(segment)
+
+    def _changed(self, condition: Condition) -> None:
+        bad = {"lost", "silent", "slow"}
+        if condition.state != self.data.state or condition.device != self.data.device:
+            tell = log.warning if condition.state in bad else log.info
+            tell("ears", state=condition.state, device=condition.device, why=condition.sentence)
+        self.data = self.data.model_copy(
+            update={
+                "state": condition.state,
+                "device": condition.device,
+                "sentence": condition.sentence,
+            }
+        )
+        self._publish(self.data)
+
+    def _tell(self, sentence: str) -> None:
+        """Say something to the people in the room, until the next change."""
+        self._publish(self.data.model_copy(update={"sentence": sentence}))
+
+    async def _recognise(self, take: Take) -> None:
+        while True:
+            segment = await self._segments.get()
+            try:
+                utterance = await self._hearing.hear_samples(segment.pcm)
+                await self._judge(segment, utterance, take)
+            except HearingError as error:
+                log.warning("speech not recognised", reason=str(error))
+                self._tell(str(error))
+            except CellctlError as error:
+                log.info("not done", reason=str(error))
+                self._tell(str(error))
+            except Exception:
+                # The next word may be "stop": it must be heard whatever went wrong with this one.
+                log.exception("heard in vain")
+
+    async def _judge(self, segment: Segment, utterance: Utterance, take: Take) -> None:
+        word = overheard_command(utterance.text)
+        if segment.after:
+            self._publish(SpeechData(utterance=utterance))
+            if not utterance.text:
+                self._tell(_NOT_UNDERSTOOD)
+                return
+        elif word is None or not self._counts(word):
+            return
+        else:
+            self._publish(SpeechData(utterance=utterance))
+        said = utterance if word is None else utterance.model_copy(update={"text": word})
+        after_s = round(time.monotonic() - segment.speech_end_s, 3)
+        log.info("heard", text=utterance.text, after=segment.after or "nothing", delay_s=after_s)
+        await take(said, Role.VISITOR)
+
+    def _counts(self, word: str) -> bool:
+        """Whether a word counts that was said without the wake word or the button."""
+        state = self._state()
+        if word in {"yes", "no"}:
+            return state in _ASKING_STATES
+        if word == "pause":
+            return state not in _REQUEST_STATES
+        return word == "stop" or (word == "cancel" and self._settings.activation == "open")
