@@ -10,6 +10,7 @@ All frames are poses in the *cell frame*: right-handed, z up, origin on the floo
 from __future__ import annotations
 
 import difflib
+import hashlib
 import os
 import tomllib
 from pathlib import Path
@@ -209,7 +210,7 @@ class HearingSection(Section):
     activation: Literal["wake_word", "push_to_talk", "open"] = "wake_word"
     """What makes a sentence a request: the wake word, `cellctl listen`, or nothing. Either of the
     first two leaves the button at work."""
-    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "okay_nabu"
+    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "hey_mycroft"
     """The phrase that is waited for."""
     max_audio_s: Annotated[float, Field(ge=1.0, le=120.0)] = 30.0
     """Longer recordings are refused."""
@@ -259,6 +260,17 @@ class BusSection(Section):
         return self.operator if role is Role.OPERATOR else self.visitor
 
 
+class JournalSection(Section):
+    """The file that remembers every act, every job and every part."""
+
+    path: Annotated[str, Field(min_length=1)] = "/var/lib/cellctl/journal.db"
+    """Where it is; its folder is made if need be."""
+    keep_days: Positive = 365.0
+    """Jobs that finished longer ago are forgotten, in days."""
+    keep_jobs: Annotated[int, Field(ge=1, le=1_000_000)] = 1000
+    """The newest jobs are kept, however old."""
+
+
 class PolicySection(Section):
     """What the cell asks before it acts."""
 
@@ -266,6 +278,8 @@ class PolicySection(Section):
     """``waived`` builds without asking "Shall I build it?"."""
     confirmation_timeout_s: Positive = 30.0
     """Silence for this long means no."""
+    refill_timeout_s: Positive = 1800.0
+    """An empty belt waits for parts so long before it is a fault (cell time)."""
 
 
 class EmulationSection(Section):
@@ -295,6 +309,7 @@ class CellConfig(Section):
     hearing: HearingSection = HearingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()
+    journal: JournalSection = JournalSection()
     policy: PolicySection = PolicySection()
     emulation: EmulationSection | None = None
 
@@ -313,6 +328,11 @@ class CellConfig(Section):
         if min(self.workspace.size_m) < self.voxel.pitch_m:
             raise ValueError("workspace.size_m must hold at least one voxel on every axis")
         return self
+
+    @property
+    def sha256(self) -> str:
+        """Of all settings: tells whether two runs had the same."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
     @property
     def grid(self) -> tuple[int, int, int]:

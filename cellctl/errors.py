@@ -106,17 +106,36 @@ class Severity(StrEnum):
     """Emergency stop: power is off the arm; it needs release, power and brakes again."""
 
 
+class Policy(StrEnum):
+    """What the cell does about a fault before a person comes."""
+
+    RETRY = "retry"
+    """It tries again by itself, as often as the configuration says, and then holds."""
+    WAIT = "wait"
+    """It waits for what is needed, for a limited time, and goes on when a person has seen to it."""
+    HOLD = "hold"
+    """It comes to rest at once, keeps what it holds, and waits for the operator."""
+    STOP = "stop"
+    """The robot has stopped by itself; the cell keeps still and waits for the operator."""
+
+
 class FaultEntry(Value):
     """One row of the catalogue."""
 
     code: str
     severity: Severity
+    policy: Policy
     title: str
     """What happened, in a line for the visitor and the operator."""
     causes: tuple[str, ...]
     remedy: str
     """What to do before ``reset``."""
     cleared_by: Role = Role.OPERATOR
+
+    @property
+    def leads_to(self) -> str:
+        """The state that it leads to; a reset leads from there to ``paused``."""
+        return f"fault_{self.severity.value}"
 
 
 def _catalogue(*entries: FaultEntry) -> dict[str, FaultEntry]:
@@ -127,13 +146,15 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="belt_empty",
         severity=Severity.HELD,
+        policy=Policy.WAIT,
         title="The conveyor has no part to give.",
         causes=("The feedstock is used up.", "The part sensor at the pick station is blocked."),
-        remedy="Put parts on the belt, then reset and resume.",
+        remedy="Lay parts on the belt, tell it with `cellctl refill`, then reset and resume.",
     ),
     FaultEntry(
         code="belt_jam",
         severity=Severity.HELD,
+        policy=Policy.RETRY,
         title="No part came to the pick station, although there should be some on the belt.",
         causes=(
             "A part is wedged.",
@@ -146,6 +167,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="belt_lost",
         severity=Severity.HELD,
+        policy=Policy.RETRY,
         title="The conveyor's board does not answer.",
         causes=("Its USB cable is out.", "Its board has no power."),
         remedy="Check the conveyor's cable and power, then reset and resume.",
@@ -153,6 +175,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="belt_mismatch",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="The board on the conveyor's port is not a conveyor that this cellctl can run.",
         causes=("Two serial ports are swapped.", "The board's firmware is of another version."),
         remedy="Correct feeder.port or install the matching firmware, then reset and resume.",
@@ -160,6 +183,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="gripper_silent",
         severity=Severity.HELD,
+        policy=Policy.RETRY,
         title="The gripper does not report that its latch has moved.",
         causes=("The status line is broken.", "The gripper has no power.", "The latch is stuck."),
         remedy="Check the gripper's cable, power and latch, then reset and resume.",
@@ -167,6 +191,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="gripper_fault",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="The gripper reports a fault of its own (its status line toggles).",
         causes=("The latch servo stalled.", "The gripper's calibration is damaged."),
         remedy="Look at the latch, then reset and resume.",
@@ -174,6 +199,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="pick_missed",
         severity=Severity.HELD,
+        policy=Policy.RETRY,
         title="The gripper closed but the part is still at the pick station.",
         causes=("The part is yawed or shifted.", "The part sticks to its neighbour."),
         remedy="Straighten the part at the pick station, then reset and resume.",
@@ -181,6 +207,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="gripper_holds",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="The gripper is latched at the start and may hold a part that nobody knows of.",
         causes=("The cell was switched off, or its daemon ended, with a part in the gripper.",),
         remedy=(
@@ -191,6 +218,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="arm_moved",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="The arm is not where it was left, and its gripper may hold a part.",
         causes=("The arm was moved by hand while its gripper was opening or closing.",),
         remedy="Bring the arm back with the robot's pendant, then reset and resume, or cancel.",
@@ -198,6 +226,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="no_route",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="There is no safe way from where the arm is.",
         causes=("The arm was moved by hand.", "Something stands where it must pass."),
         remedy="Move the arm clear with the robot's pendant, then reset and resume or cancel.",
@@ -205,6 +234,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="protective_stop",
         severity=Severity.STOPPED,
+        policy=Policy.STOP,
         title="The robot made a protective stop.",
         causes=("The arm touched something.", "A joint's limit was exceeded."),
         remedy="Look for the cause; reset after 5 s at the earliest, then resume.",
@@ -212,6 +242,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="safeguard_stop",
         severity=Severity.STOPPED,
+        policy=Policy.STOP,
         title="A safeguard stopped the robot.",
         causes=("Somebody entered the guarded space.",),
         remedy="Leave the guarded space and release the safeguard, then reset and resume.",
@@ -219,6 +250,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="emergency_stop",
         severity=Severity.EMERGENCY,
+        policy=Policy.STOP,
         title="An emergency stop was pressed.",
         causes=("A person pressed an emergency stop button.",),
         remedy="Make the cell safe, release the button, then reset and resume.",
@@ -226,6 +258,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="local_control",
         severity=Severity.STOPPED,
+        policy=Policy.STOP,
         title="The robot is in local control and takes no commands from here.",
         causes=("Somebody switched the teach pendant to local.",),
         remedy="Switch the pendant to remote control, then reset and resume.",
@@ -233,6 +266,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="robot_lost",
         severity=Severity.STOPPED,
+        policy=Policy.STOP,
         title="The robot's controller does not answer.",
         causes=("It is switched off or starting.", "The network cable is out."),
         remedy="Check that the robot is on and reachable, then reset and resume.",
@@ -240,6 +274,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="program_stopped",
         severity=Severity.STOPPED,
+        policy=Policy.STOP,
         title="The robot's program ended although nobody asked it to.",
         causes=("Somebody stopped it on the pendant.", "The robot did not hear its host in time."),
         remedy="Look that the way is free, then reset and resume.",
@@ -247,6 +282,7 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="motion_timeout",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="A movement took much longer than planned.",
         causes=("The speed slider on the pendant is down.", "The controller is overloaded."),
         remedy="Check the speed slider, then reset and resume.",
@@ -254,13 +290,40 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
     FaultEntry(
         code="robot_mismatch",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="The robot is not the one that the configuration describes.",
-        causes=("Model, TCP or payload read back differently from what was set.",),
-        remedy="Correct the configuration or the robot's installation, then reset.",
+        causes=(
+            "Model, TCP or payload read back differently from what was set.",
+            "Somebody changed the tool's supply or switched an output on the pendant.",
+        ),
+        remedy="Correct the configuration or the robot's installation, then reset and resume.",
+    ),
+    FaultEntry(
+        code="journal_failed",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="What the cell does cannot be written down, so nothing may move.",
+        causes=("The disk is full.", "The disk cannot be written.", "The disk is failing."),
+        remedy=(
+            "Make room on the disk that journal.path names, or make it writable, then reset and "
+            "resume; nothing that happened is forgotten meanwhile."
+        ),
+    ),
+    FaultEntry(
+        code="journal_damaged",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="The journal is damaged, so nobody knows where the parts are.",
+        causes=("The disk is failing.", "Something other than cellctl wrote to the file."),
+        remedy=(
+            "Stop the daemon, then `cellctl restore FILE` with a backup, or `cellctl journal new` "
+            "to save what can be read; start it again, count the parts and tell it."
+        ),
     ),
     FaultEntry(
         code="internal",
         severity=Severity.HELD,
+        policy=Policy.HOLD,
         title="Something failed inside cellctl.",
         causes=("A defect in the software; the log has the details.",),
         remedy="Keep the log for the maintainers, then reset and resume or cancel.",

@@ -13,7 +13,25 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
+from cellctl.config import Vector
 from cellctl.errors import FaultEntry
+
+PartPlace = Literal["gripper", "cell", "station", "stock", "scrap", "unknown"]
+"""Where a part can be that was on its way: in the gripper, at the cell of its step, at the pick
+station, taken to the stock, written off, or nobody knows."""
+HandMove = Literal[
+    "home",
+    "jog",
+    "rise",
+    "retreat",
+    "open",
+    "close",
+    "index",
+    "check_lines",
+    "above_station",
+    "above_cell",
+]
+"""What an operator's hand can do: arm movements, the latch, and bringing one part in."""
 
 SCHEMA_VERSION: Final = 2
 
@@ -240,6 +258,9 @@ class Snapshot(Value):
     standing: tuple[Cell, ...]
     """Cells that hold a part in the workspace, as far as the cell knows."""
     inventory: dict[str, int]
+    """How many parts are in each place."""
+    doubt: str = ""
+    """What nobody can know about the part that was on its way; empty when nothing is in doubt."""
     arm: ArmData
     conveyor: ConveyorData
     gripper: GripperData
@@ -286,7 +307,65 @@ class ConfirmCommand(Value):
 class PlainCommand(Value):
     """A command without arguments."""
 
-    command: Literal["pause", "resume", "stop", "cancel", "reset", "clear"]
+    command: Literal["pause", "resume", "stop", "cancel", "reset", "clear", "hand_over"]
+
+
+class RefillCommand(Value):
+    """Tell that parts from the stock were laid on the belt."""
+
+    command: Literal["refill"] = "refill"
+    parts: Annotated[int, Field(ge=1, le=1000)] | None = None
+    """How many; as many as the belt takes when left out."""
+
+
+class RecoverCommand(Value):
+    """Tell where the part is that is in the gripper, or that a crash left in doubt."""
+
+    command: Literal["recover"] = "recover"
+    part: PartPlace
+
+
+class MissingCommand(Value):
+    """Tell that the structure has lost the parts at these cells."""
+
+    command: Literal["missing"] = "missing"
+    cells: Annotated[tuple[Cell, ...], Field(min_length=1, max_length=1000)]
+
+
+class CountCommand(Value):
+    """Tell how many parts were counted in some places; what is missing then is unknown."""
+
+    command: Literal["count"] = "count"
+    stock: Annotated[int, Field(ge=0)] | None = None
+    belt: Annotated[int, Field(ge=0)] | None = None
+    handed_over: Annotated[int, Field(ge=0)] | None = None
+    scrap: Annotated[int, Field(ge=0)] | None = None
+    note: Annotated[str, Field(max_length=200)] = ""
+
+
+class OwnCommand(Value):
+    """Tell how many parts the cell owns, after some were bought or sold."""
+
+    command: Literal["own"] = "own"
+    parts: Annotated[int, Field(ge=1, le=1000)]
+    note: Annotated[str, Field(max_length=200)] = ""
+
+
+class HandCommand(Value):
+    """Move something by hand; answered when the movement has ended."""
+
+    command: Literal["hand"] = "hand"
+    move: HandMove
+    delta_m: Vector = (0.0, 0.0, 0.0)
+    """For ``jog``: how far, along the cell frame's axes."""
+    turn_rad: float = 0.0
+    """For ``jog``: about the vertical."""
+    cell: Cell | None = None
+    """For ``above_cell``."""
+    speed_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    """Share of the speed that a build would have; ``jog`` is slow anyway."""
+    part_held: bool = False
+    """For ``open`` with a part in the gripper: a person holds the part and takes it away."""
 
 
 class ListenCommand(Value):
@@ -309,7 +388,13 @@ Command = Annotated[
     | ConfirmCommand
     | PlainCommand
     | ListenCommand
-    | MuteCommand,
+    | MuteCommand
+    | RefillCommand
+    | RecoverCommand
+    | MissingCommand
+    | CountCommand
+    | OwnCommand
+    | HandCommand,
     Field(discriminator="command"),
 ]
 
@@ -356,5 +441,8 @@ def attachment_limit(role: Role, max_audio_s: float) -> int:
     return MAX_ATTACHMENT if role is Role.OPERATOR else min(recording, MAX_ATTACHMENT)
 
 
-OPERATOR_COMMANDS = frozenset({"build", "resume", "reset", "clear", "unmute"})
+OPERATOR_COMMANDS = frozenset(
+    {"build", "resume", "reset", "clear", "refill", "recover", "missing", "count", "own", "hand"}
+    | {"unmute"}
+)
 """Commands that a visitor may not give."""

@@ -1,40 +1,35 @@
 """The physical stages of a build: feed, pick, place, let go, retreat.
 
-Each act is written into the journal as an intent before it and an outcome after it. Where an act is
-cut short, ``Builder.grip`` says how far it came, so that it can be taken up again without doing
-anything twice and without dropping a part.
+Each act is written into the journal as an intent before it and an outcome after it. An act that is
+cut off while the latch moves keeps its intent without an outcome until the devices, or a person,
+can say how far it came; so nothing is done twice and no part is dropped, whatever ends, the daemon
+included.
 """
 
 from __future__ import annotations
 
 import asyncio
-import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 
 import structlog
 
-from cellctl.assembling.arm import Arm, ArmState
-from cellctl.assembling.gripper import Gripper
-from cellctl.assembling.route import Route, RoutePlanner, Stance
-from cellctl.assembly import Cell
+from cellctl.assembling.route import Route, Stance
+from cellctl.assembly import Cell, Step
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
+from cellctl.control.acts import ActKind, Outcome
 from cellctl.control.job import Grip, Job
-from cellctl.control.journal import ActKind, Journal
-from cellctl.errors import CellFault, PlanError
-from cellctl.feeding.inventory import Act as Moved
-from cellctl.feeding.inventory import Inventory
+from cellctl.control.journal import Journal
+from cellctl.control.ledger import Ledger
+from cellctl.control.moving import ArmAndLatch
+from cellctl.control.recovery import LIFT_SHARE, Doubt, Evidence, moves_to, settle
+from cellctl.errors import CellFault, RefusedError, UsageError
+from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
-from cellctl.messages import PartOutcome
+from cellctl.messages import PartOutcome, PartPlace
 
 log = structlog.get_logger(__name__)
-
-_LIFT_SHARE = 0.7
-"""Once the TCP has risen by this share of a voxel, the station's sensor no longer sees its part."""
-_LIFT_POLL_S = 0.02
-_STAYED_M = 0.005
-"""The arm counts as where it was left within this distance."""
 
 
 class _Report:
@@ -42,10 +37,13 @@ class _Report:
 
     def __init__(self) -> None:
         self.reason = ""
+        self.moves: tuple[Move, ...] = ()
+        self.belt_indexes: int | None = None
 
-    def failed(self, reason: str) -> None:
-        """It did nothing, and that is no fault yet."""
+    def failed(self, reason: str, *moves: Move) -> None:
+        """It did not do what it should, and that is no fault yet."""
         self.reason = reason
+        self.moves = moves
 
 
 class Builder:
@@ -54,9 +52,9 @@ class Builder:
     Args:
         config: the cell.
         clock: cell time.
-        arm, gripper, belt: the devices.
-        journal: where acts are written.
-        inventory: where the parts are; its sum never changes.
+        hands: the arm and its latch.
+        belt: brings parts.
+        journal: where acts are written, and what is believed of the cell.
     """
 
     def __init__(
@@ -64,33 +62,46 @@ class Builder:
         config: CellConfig,
         clock: Clock,
         *,
-        arm: Arm,
-        gripper: Gripper,
+        hands: ArmAndLatch,
         belt: BeltService,
         journal: Journal,
-        inventory: Inventory,
     ) -> None:
         self._config = config
         self._clock = clock
-        self._arm = arm
-        self._gripper = gripper
+        self._hands = hands
         self._belt = belt
         self._journal = journal
-        self.inventory = inventory
-        self._routes = RoutePlanner(config)
-        self.grip = Grip.NOTHING
-        self.standing: set[Cell] = set()
-        """Cells of the workspace that hold a part."""
-        self._opened = False
-        """The gripper has confirmed that it is open since it last closed."""
-        self._release_cell: Cell | None = None
-        """Where the part goes that is being let go."""
-        self._missed = False
-        """The last pick left its part at the station; the arm hangs just above it, latched."""
-        self._lift_unchecked = False
+        self.doubt: Doubt | None = None
+        """What nobody can know about the part that was on its way."""
+        self._open_act: tuple[int, ActKind] | None = None
+        """The act in which the latch was told to move and has not confirmed it."""
+        self._act_id: int | None = None
+        """The newest act."""
+        self._lifted = False
+        """The part in the gripper was seen to leave the station."""
         self._retries = 0
         self._waited_s = 0.0
         self._part_began_s: float | None = None
+
+    # --- what is believed ---------------------------------------------------------------------
+
+    @property
+    def ledger(self) -> Ledger:
+        """Where the parts are."""
+        return self._journal.ledger
+
+    @property
+    def standing(self) -> frozenset[Cell]:
+        """Cells of the workspace that hold a part."""
+        return self.ledger.standing
+
+    @property
+    def grip(self) -> Grip:
+        """What the latch has."""
+        if self._open_act is not None:
+            latching = self._open_act[1] is ActKind.PICK
+            return Grip.LATCHING if latching else Grip.RELEASING
+        return Grip.PART if self.ledger.holding else Grip.NOTHING
 
     # --- between jobs -------------------------------------------------------------------------
 
@@ -98,47 +109,92 @@ class Builder:
         """A new job: times and retries count from here."""
         self._part_began_s, self._waited_s, self._retries = None, 0.0, 0
 
-    def settle_grip(self, job: Job) -> None:
-        """Decide what a cut-off latching or letting go came to, by the gripper's status line.
+    async def settle_cut(self, step: Step | None) -> None:
+        """Decide what the acts came to that were cut off, by what the devices say now.
 
-        A confirmed latch holds its part, which the next job builds in. Without one, a part that
-        was being let go stands, and one that was being taken still lies at the station.
-        """
-        state = self._arm.state()
-        latched = state is not None and self._status_high(state)
-        if self.grip is Grip.LATCHING and not latched:
-            self.inventory.apply(Moved.MISS)
-            self.grip, self._missed = Grip.NOTHING, True
-        elif self.grip is Grip.RELEASING and not latched:
-            self._count_standing()
-            job.placed += 1
-        elif self.grip is Grip.LATCHING:
-            self.grip, self._lift_unchecked = Grip.PART, True
-        elif self.grip is Grip.RELEASING:
-            self.grip, self._release_cell = Grip.PART, None
+        What they cannot say is kept as ``doubt``.
 
-    def check_at_start(self) -> None:
-        """Refuse to begin with a gripper that may hold something nobody knows of.
+        Args:
+            step: the one that was under way.
 
         Raises:
-            CellFault: ``gripper_holds``.
+            CellFault: ``gripper_holds``: the latch holds something nobody knows of; or a device
+                does not answer.
         """
-        if self._status_high(self._state()):
-            raise CellFault("gripper_holds")
+        unsettled = self._journal.unsettled()
+        self.doubt = self._open_act = None
+        ledger = self.ledger
+        if not unsettled and not ledger.holding:
+            if self._hands.latched() and not ledger.missed:
+                raise CellFault("gripper_holds")
+            return
+        cell = next((act.cell for act in reversed(unsettled) if act.cell is not None), None)
+        routes = self._hands.routes
+        evidence = Evidence.of(
+            self._config,
+            self._hands.state(),
+            await self._belt.state(),
+            routes.pick_stance().tcp_pose,
+            routes.place_stance(cell).tcp_pose if cell is not None else None,
+        )
+        number = step.index + 1 if step is not None else 0
+        settlement = settle(ledger, unsettled, evidence, number)
+        for act in settlement.acts:
+            self._journal.settle(act.act_id, act.outcome, act.detail, act.moves, act.belt_indexes)
+        if settlement.missed:
+            await self._journal.record(
+                ActKind.SETTLE, detail="it was never lifted", moves=(Move.MISS,)
+            )
+        self._lifted = settlement.lifted
+        self.doubt = settlement.doubt
+        log.info(
+            "settled what was cut off",
+            acts=[f"{act.act_id} {act.outcome}" for act in settlement.acts],
+            missed=settlement.missed,
+            doubt=settlement.doubt.sentence if settlement.doubt else "",
+            **evidence.model_dump(),
+        )
 
-    def parts_available(self) -> int:
-        """How many parts a plan may use: those on the belt and the one in the gripper."""
-        return self.inventory.available
+    async def recover(self, part: PartPlace, step: Step | None) -> None:
+        """An operator says where the part is that was on its way.
 
-    def declare_clear(self) -> None:
-        """An operator says that nothing stands any more; its parts are on the belt again."""
-        act = self._journal.intend(ActKind.CLEAR, job_id="")
-        while self.standing:
-            self.inventory.apply(Moved.TAKE_APART)
-            self.standing.pop()
-        self._journal.settle(act, "done")
+        Raises:
+            RefusedError: there is no such part, or the latch still holds it.
+            UsageError: the part cannot be there.
+            CellFault: ``journal_failed``, ``robot_lost``.
+        """
+        doubt = self.doubt
+        if doubt is None:
+            if not self.ledger.holding:
+                raise RefusedError("No part is in the gripper, and none is in doubt.")
+            if part == "gripper":
+                return
+            if self._hands.latched():
+                raise RefusedError(
+                    "The latch is closed on the part.",
+                    "Hold the part and open the latch with `cellctl hand open --part-held`.",
+                )
+            doubt = Doubt(act_id=None, kind=ActKind.PLACE, sentence="", believed="gripper")
+        outcome, moves = moves_to(doubt, part)
+        if part == "cell" and step is None:
+            raise UsageError("No job is under way whose cell the part could be at.")
+        if part == "gripper" and self._hands.is_told_open():
+            raise UsageError("The latch is open, so the part cannot be in the gripper.")
+        detail = f"an operator says: {part}"
+        if doubt.act_id is not None:
+            indexes = (await self._belt.state()).indexes if doubt.kind is ActKind.PICK else None
+            self._journal.settle(doubt.act_id, outcome, detail, moves, indexes)
+        elif moves:
+            cell = step.cell if step is not None and part == "cell" else None
+            await self._journal.record(ActKind.SETTLE, cell=cell, detail=detail, moves=moves)
+        self.doubt = self._open_act = None
+        self._lifted = part == "gripper"
 
     # --- the stages ---------------------------------------------------------------------------
+
+    def belt_is_empty(self) -> bool:
+        """Whether somebody must lay parts on the belt before one can come."""
+        return self.grip is Grip.NOTHING and self.ledger.counts.belt == 0
 
     async def feed(self, job: Job, near: Callable[[], None]) -> None:
         """Wait until a part lies at the pick station; at once when the gripper has one.
@@ -151,12 +207,10 @@ class Builder:
         began_s = self._clock.now_s()
         if self._part_began_s is None:
             self._part_began_s = began_s
-        step = job.step
-        with self._act(ActKind.FEED, job):
+        async with self._act(ActKind.FEED, job):
             self._belt.request_part()
             await self._belt.part_ready(near)
         self._waited_s += self._clock.now_s() - began_s
-        log.debug("part ready", step=step.index if step is not None else None)
 
     async def pick(self, job: Job) -> bool:
         """Take the part at the station, at once when the gripper has one; False when none is there.
@@ -168,24 +222,23 @@ class Builder:
             return True
         if self._part_began_s is None:
             self._part_began_s = self._clock.now_s()
-        with self._act(ActKind.PICK, job) as act:
+        hands = self._hands
+        async with self._act(ActKind.PICK, job) as act:
             if self.grip is Grip.NOTHING:
-                if not self._is_open() and not self._missed:
-                    await self._open()
-                await self._move(self._routes.to_pick, job)
-                if not self._is_open():
-                    await self._open()
-                if not (await self._belt.state()).part_present:
-                    act.failed("No part lies at the station any more.")
-                    return False
-                self.inventory.apply(Moved.PICK)
-                self.grip = Grip.LATCHING
-            self._expect_at(self._routes.pick_stance())
-            self._opened = False
-            await self._gripper.latch()
-            self.grip = Grip.PART
-            self._missed = False
-            self._lift_unchecked = True
+                if not hands.is_open() and not self.ledger.missed:
+                    await hands.open()
+                await self._travel(hands.routes.to_pick, job)
+                if not hands.is_open():
+                    await hands.open()
+            belt = await self._belt.state()
+            if self.grip is Grip.NOTHING and not belt.part_present:
+                act.failed("No part lies at the station any more.")
+                return False
+            hands.expect_at(hands.routes.pick_stance())
+            self._latch_moves(ActKind.PICK)
+            await hands.close()
+            act.moves, act.belt_indexes = (Move.PICK,), belt.indexes
+            self._lifted = False
         return True
 
     async def place(self, job: Job) -> bool:
@@ -196,31 +249,29 @@ class Builder:
         """
         step = job.step
         assert step is not None, "placing needs a step"
-        with self._act(ActKind.PLACE, job) as act:
+        async with self._act(ActKind.PLACE, job) as act:
+            routes = self._hands.routes
             move = asyncio.create_task(
-                self._move(
-                    lambda start, placed: self._routes.to_cell(step.cell, placed, start), job
-                )
+                self._travel(lambda start, placed: routes.to_cell(step.cell, placed, start), job)
             )
             try:
-                if self._lift_unchecked:
-                    await self._risen(move, _LIFT_SHARE * self._config.voxel.pitch_m)
-                    if (await self._belt.state()).part_present:
-                        await self._arm.stop()
-                        act.failed("The part stayed at the station.")
-                        self._give_up_pick()
-                        return False
-                    self._lift_unchecked = False
-                # The next part comes in only when this one hangs higher than it is.
-                pitch_m = self._config.voxel.pitch_m
-                await self._risen(move, pitch_m + self._config.robot.clearance_m / 2)
-                if job.more_after_this and not job.cancelling:
-                    self._belt.request_part()
-                await move
+                lifted = await self._see_it_lift(move)
+                if lifted:
+                    await self._call_the_next(move, job)
+                    await move
+                else:
+                    await self._hands.arm.stop()
+                    act.failed("The part stayed at the station.", Move.MISS)
+                    self._retries += 1
             finally:
                 move.cancel()
                 await asyncio.gather(move, return_exceptions=True)
-        return True
+        if not lifted:
+            log.warning("pick missed", retry=self._retries)
+            if self._retries > self._config.gripper.retries:
+                self._retries = 0
+                raise CellFault("pick_missed")
+        return lifted
 
     async def release(self, job: Job) -> PartOutcome:
         """Let the part go at its cell and count it.
@@ -230,11 +281,11 @@ class Builder:
         """
         step = job.step
         assert step is not None, "letting go needs a step"
-        with self._act(ActKind.RELEASE, job):
-            self._expect_at(self._routes.place_stance(step.cell))
-            self.grip, self._release_cell = Grip.RELEASING, step.cell
-            await self._open()
-            self._count_standing()
+        async with self._act(ActKind.RELEASE, job) as act:
+            self._hands.expect_at(self._hands.routes.place_stance(step.cell))
+            self._latch_moves(ActKind.RELEASE)
+            await self._hands.open()
+            act.moves = (Move.PLACE,)
         now_s = self._clock.now_s()
         began_s = self._part_began_s if self._part_began_s is not None else now_s
         outcome = PartOutcome(
@@ -245,7 +296,7 @@ class Builder:
             retries=self._retries,
         )
         job.outcomes.append(outcome)
-        job.placed += 1
+        job.standing = self.standing
         self._part_began_s, self._waited_s, self._retries = now_s, 0.0, 0
         return outcome
 
@@ -255,103 +306,78 @@ class Builder:
         Raises:
             CellFault: of the arm.
         """
-        with self._act(ActKind.RETREAT, job):
-            carrying = self.grip is not Grip.NOTHING
-            await self._move(
-                lambda start, placed: self._routes.retreat(start, placed, carrying=carrying), job
+        routes = self._hands.routes
+        carrying = self.grip is not Grip.NOTHING
+        async with self._act(ActKind.RETREAT, job):
+            await self._travel(
+                lambda start, placed: routes.retreat(start, placed, carrying=carrying), job
             )
-            await self._move(
-                lambda start, placed: self._routes.to_home(start, placed, carrying=carrying), job
+            await self._travel(
+                lambda start, placed: routes.to_home(start, placed, carrying=carrying), job
             )
         self._part_began_s = None
 
     # --- inside -------------------------------------------------------------------------------
 
-    def _count_standing(self) -> None:
-        """The part that was let go stands at its cell."""
-        assert self._release_cell is not None, "letting go has a cell"
-        self.inventory.apply(Moved.PLACE)
-        self.standing.add(self._release_cell)
-        self.grip, self._release_cell = Grip.NOTHING, None
+    async def _travel(self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job) -> None:
+        def began() -> None:
+            if job.first_motion_s is None:
+                job.first_motion_s = self._clock.now_s()
 
-    async def _open(self) -> None:
-        await self._gripper.unlatch()
-        self._opened = True
+        await self._hands.travel(plan, self.standing, began)
 
-    def _is_open(self) -> bool:
-        """Confirmed open, and still told to be: a stop of the robot may have dropped its output."""
-        output = self._config.gripper.command_output
-        return self._opened and bool(self._state().digital_outputs >> output & 1)
+    async def _see_it_lift(self, move: asyncio.Task[None]) -> bool:
+        """Whether the part leaves the station with the gripper."""
+        if self.ledger.lift_unchecked and not self._lifted:
+            await self._hands.wait_risen(move, LIFT_SHARE * self._config.voxel.pitch_m)
+            self._lifted = not (await self._belt.state()).part_present
+            return self._lifted
+        return True
 
-    def _status_high(self, state: ArmState) -> bool:
-        return bool(state.digital_inputs >> self._config.gripper.status_input & 1)
+    async def _call_the_next(self, move: asyncio.Task[None], job: Job) -> None:
+        """The next part comes in only when this one hangs higher than it is."""
+        robot, pitch_m = self._config.robot, self._config.voxel.pitch_m
+        await self._hands.wait_risen(move, pitch_m + robot.clearance_m / 2)
+        if job.more_after_this and not job.cancelling and self.ledger.counts.belt > 0:
+            self._belt.request_part()
 
-    def _expect_at(self, stance: Stance) -> None:
-        """The latch moves only where the arm was sent.
+    def _latch_moves(self, kind: ActKind) -> None:
+        """From here on only the devices, or a person, can say what became of the act."""
+        assert self._act_id is not None, "the latch moves in an act"
+        self._open_act = (self._act_id, kind)
 
-        Raises:
-            CellFault: ``arm_moved``.
-        """
-        off_m = math.dist(self._state().tcp_pose[:3], stance.tcp_pose[:3])
-        if off_m > _STAYED_M:
-            raise CellFault("arm_moved", f"It is {off_m * 1000:.0f} mm from where it was left.")
-
-    async def _move(self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job) -> None:
-        """Plan a checked route from where the arm is, and follow it."""
-        state = self._state()
-        stance = Stance(state.tcp_pose, state.joints_rad)
-        try:
-            route = await asyncio.to_thread(plan, stance, frozenset(self.standing))
-        except PlanError as error:
-            raise CellFault("no_route", error.message) from error
-        if not route.path:
-            return
-        if job.first_motion_s is None:
-            job.first_motion_s = self._clock.now_s()
-        await self._arm.follow(route.path, route.duration_s)
-
-    async def _risen(self, move: asyncio.Task[None], height_m: float) -> None:
-        """Wait until the TCP is so far above the pick station, or the movement has ended."""
-        height_m += self._routes.pick_stance().tcp_pose[2]
-        while not move.done() and self._state().tcp_pose[2] < height_m:
-            await self._clock.sleep(_LIFT_POLL_S)
-        if move.done():
-            await move
-
-    def _give_up_pick(self) -> None:
-        """The part is still at the station: nothing is in the gripper, whatever it reports."""
-        self.grip = Grip.NOTHING
-        self._missed, self._lift_unchecked = True, False
-        self.inventory.apply(Moved.MISS)
-        self._retries += 1
-        log.warning("pick missed", retry=self._retries)
-        if self._retries > self._config.gripper.retries:
-            self._retries = 0
-            raise CellFault("pick_missed")
-
-    def _state(self) -> ArmState:
-        state = self._arm.state()
-        if state is None:
-            raise CellFault("robot_lost")
-        return state
-
-    @contextmanager
-    def _act(self, kind: ActKind, job: Job) -> Iterator[_Report]:
+    @asynccontextmanager
+    async def _act(self, kind: ActKind, job: Job) -> AsyncIterator[_Report]:
         """An intent before, an outcome after, whatever happens between."""
+        act_id = await self._intend(kind, job)
+        self._act_id = act_id
+        report = _Report()
+
+        def close(outcome: Outcome, detail: str) -> None:
+            if self._open_act is not None and outcome != "done":
+                return  # it keeps its intent, and is taken up again
+            self._journal.settle(act_id, outcome, detail, report.moves, report.belt_indexes)
+            self._open_act = None
+
+        try:
+            yield report
+        except asyncio.CancelledError:
+            close("interrupted", "")
+            raise
+        except Exception as error:
+            close("failed", str(error))
+            raise
+        close("failed" if report.reason else "done", report.reason)
+
+    async def _intend(self, kind: ActKind, job: Job) -> int:
+        """The id of the act: of the one that was cut off while the latch moved, or of a new one."""
+        if self._open_act is not None:
+            assert self._open_act[1] is kind, "an act is taken up again by its own stage"
+            return self._open_act[0]
         step = job.step
-        act = self._journal.intend(
+        return await self._journal.intend(
             kind,
             job.job_id,
             step.index if step is not None else None,
             step.cell if step is not None else None,
         )
-        report = _Report()
-        try:
-            yield report
-        except asyncio.CancelledError:
-            self._journal.settle(act, "interrupted")
-            raise
-        except Exception as error:
-            self._journal.settle(act, "failed", str(error))
-            raise
-        self._journal.settle(act, "failed" if report.reason else "done", report.reason)

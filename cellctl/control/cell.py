@@ -13,22 +13,25 @@ from dataclasses import dataclass
 import structlog
 
 from cellctl.assembling.arm import Arm
-from cellctl.assembly import BuildPlan, Intent, Request, Role, Utterance
+from cellctl.assembly import Cell as CellIndex
+from cellctl.assembly import Role, Utterance
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control import sentences
-from cellctl.control.audio import audio_file
+from cellctl.control.acts import ActKind, JobFiles
 from cellctl.control.building import Builder
 from cellctl.control.controller import Controller, Post
+from cellctl.control.hand import HandMoves
 from cellctl.control.job import Job, Phase
+from cellctl.control.journal import Journal
+from cellctl.control.moving import ArmAndLatch
 from cellctl.control.states import Event, top_of
-from cellctl.errors import CellctlError, CellFault, ExitStatus, NoObjectError
+from cellctl.control.wishes import Wishes
+from cellctl.errors import CellctlError, CellFault, ExitStatus
+from cellctl.feeding.inventory import Counts, Move
 from cellctl.feeding.service import BeltService
-from cellctl.generating.design import design
 from cellctl.listening.hearing import Hearing
-from cellctl.listening.request import read_request
-from cellctl.messages import GripperData, Outcome, PartData, SpeechData, StateData, StatusData
-from cellctl.validating.plan import plan_build, plan_file
+from cellctl.messages import GripperData, Outcome, PartData, PartPlace, StateData, StatusData
 from cellctl.worker import WorkerProcess
 
 log = structlog.get_logger(__name__)
@@ -48,6 +51,7 @@ class Devices:
     """The hardware, the stages' services, and the people's ears."""
 
     arm: Arm
+    hands: ArmAndLatch
     belt: BeltService
     hearing: Hearing
     designer: WorkerProcess
@@ -61,6 +65,7 @@ class Cell:
         clock: cell time.
         devices: what the stages work with.
         builder: the physical stages.
+        journal: where jobs are written.
         publish: sends a status message; gets the data and the state.
     """
 
@@ -68,35 +73,48 @@ class Cell:
         self,
         config: CellConfig,
         clock: Clock,
+        *,
         devices: Devices,
         builder: Builder,
+        journal: Journal,
         publish: Callable[[StatusData, str], None],
     ) -> None:
         self.config = config
         self._clock = clock
         self._devices = devices
         self.builder = builder
+        self._journal = journal
         self._publish = publish
         self.controller = Controller(self, publish)
+        self.wishes = Wishes(
+            config,
+            clock,
+            hearing=devices.hearing,
+            designer=devices.designer,
+            show=lambda data: publish(data, self.controller.state),
+            parts_available=lambda: builder.ledger.counts.available,
+        )
+        self.hand = HandMoves(builder, devices.hands, devices.belt, journal)
         self.job: Job | None = None
         self.started = False
-        self.recogniser = "not loaded"
-        self._audio: tuple[str, bytes] | None = None
-        self._upload: tuple[str, bytes] | None = None
+        self.left_starting = asyncio.Event()
+        """Set when the devices were found, or were not."""
         self.last_state = StateData(state="starting", previous="", event="")
         self._stages: dict[str, Callable[[Post], Awaitable[None]]] = {
             "start": self._start,
-            "hear": self._hear,
-            "interpret": self._interpret,
-            "generate": self._generate,
-            "plan": self._plan,
-            "confirm": self._confirm,
+            "hear": self._for_job(self.wishes.hear),
+            "interpret": self._for_job(self.wishes.interpret),
+            "generate": self._for_job(self.wishes.generate),
+            "plan": self._for_job(self.wishes.plan),
+            "confirm": self._for_job(self.wishes.confirm),
             "feed": self._feed,
+            "refill": self._refill,
             "pick": self._pick,
             "place": self._place,
             "verify": self._verify,
             "retreat": self._retreat,
             "brake": self._brake,
+            "hand": self.hand.run,
             "hold": self._hold,
             "recover": self._recover,
         }
@@ -114,22 +132,37 @@ class Cell:
 
     def begin_audio(self, name: str, wav: bytes, role: Role) -> None:
         """Start a job from a wav file."""
-        self._audio = (name, wav)
+        self.wishes.recording = (name, wav)
         self._begin(Job(role))
 
     def begin_upload(self, name: str, content: bytes, role: Role) -> None:
         """Start a job from a mesh or plan file."""
-        self._upload = (name, content)
-        job = Job(role)
-        job.phase = Phase.VALIDATING
-        self._begin(job)
+        self._begin(Job(role, phase=Phase.VALIDATING, upload_name=name, upload=content))
 
     def _begin(self, job: Job) -> None:
         job.end_of_speech_s = self._clock.now_s()
+        job.began_at = self._clock.wall_time()
+        job.standing = self.builder.standing
         self.job = job
         self.builder.begin()
+        self._keep(job)
         structlog.contextvars.bind_contextvars(job=job.job_id)
         log.info("job begins", role=job.role)
+
+    def _keep(self, job: Job) -> None:
+        """Write the job down; its files only when they are new."""
+        self._journal.keep_job(job.record(), JobFiles(mesh=job.generated, upload=job.upload))
+
+    def why_occupied(self) -> str:
+        """Why no build can begin; empty when one can."""
+        if self.controller.state != "idle" or not self.builder.standing:
+            return ""
+        count = len(self.builder.standing)
+        stand = "1 part stands" if count == 1 else f"{count} parts stand"
+        return (
+            f"{stand} in the workspace. Take the object along and say `cellctl hand-over`, or take "
+            "it apart and say `cellctl clear`."
+        )
 
     def resume_event(self) -> Event:
         """Which variant of ``resume`` fits how far things have come."""
@@ -137,6 +170,48 @@ class Cell:
             return Event.RESUME_STARTING
         job = self.active_job
         return Event.RESUME_IDLE if job is None else job.resume_event(self.builder.grip)
+
+    async def record(
+        self,
+        kind: ActKind,
+        *,
+        at: CellIndex | None = None,
+        detail: str = "",
+        moves: tuple[Move, ...] = (),
+        counts: Counts | None = None,
+    ) -> None:
+        """Write down what a person says of parts, and tell everyone; see ``Journal.record``."""
+        job = self.active_job
+        await self._journal.record(
+            kind,
+            job_id=job.job_id if job is not None else "",
+            cell=at,
+            detail=detail,
+            moves=moves,
+            counts=counts,
+        )
+        self._stood_anew()
+
+    async def recover_part(self, part: PartPlace) -> None:
+        """An operator says where the part is that was on its way; see ``Builder.recover``."""
+        job = self.active_job
+        await self.builder.recover(part, job.step if job is not None else None)
+        self._stood_anew()
+
+    async def resume_doubt(self) -> None:
+        """Whoever resumes takes for granted what is believed of the part in doubt."""
+        if self.builder.doubt is not None:
+            await self.recover_part(self.builder.doubt.believed)
+
+    def _stood_anew(self) -> None:
+        """What stands has changed by a person's word."""
+        if self.job is not None and self.job.finished_s is None:
+            self.job.standing = self.builder.standing
+        self.tell()
+
+    def tell(self) -> None:
+        """Publish the state anew: something changed that the machine does not know of."""
+        self._tell(self.last_state.event, self.last_state.previous, self.controller.state)
 
     # --- what the controller asks for ---------------------------------------------------------
 
@@ -153,24 +228,33 @@ class Cell:
 
     def changed(self, event: Event, before: str, after: str) -> None:
         """Keep the job's record in step with the machine, and tell everyone."""
+        if after != "starting":
+            self.left_starting.set()
         job = self.active_job
         if job is not None:
             self._follow(job, event, after)
+        if job is not None:
+            self._keep(job)
+        log.info("state", event_name=event.value, before=before, after=after)
+        self._tell(event.value, before, after)
+
+    def _tell(self, event: str, before: str, after: str) -> None:
         job = self.job
         self.last_state = StateData(
             state=after,
             previous=before,
-            event=event.value,
+            event=event,
             pausing=job is not None and job.pausing,
             cancelling=job is not None and job.cancelling,
             sentence=sentences.describe(
                 after,
                 job,
                 self.controller.latched.fault if self.controller.latched else None,
+                self.builder.doubt,
+                self.builder.ledger,
                 pitch_m=self.config.voxel.pitch_m,
             ),
         )
-        log.info("state", event_name=event.value, before=before, after=after)
         self._publish(self.last_state, after)
         if job is not None:
             self._publish(job.view(), after)
@@ -180,13 +264,13 @@ class Cell:
         if event is Event.PAUSE and top_of(after) == "assembling":
             job.pausing = True
         elif top_of(after) in {"paused", "fault"}:
-            job.pausing = False
+            job.pausing = job.checked = False
         if event is Event.CANCEL and top_of(after) == "assembling":
             job.cancelling = True
         heard_in_vain = job.phase is Phase.HEARING and top_of(after) in {"paused", "fault"}
-        cancelled = event is Event.CANCEL and top_of(after) == "paused"
-        if cancelled:
-            self.builder.settle_grip(job)
+        if event is Event.CANCEL and after == "paused_braking":
+            job.cancelling = True
+        cancelled = event is Event.AT_REST and job.cancelling
         if heard_in_vain:
             job.outcome = "failed"
             job.message = "I was interrupted; please say it again."
@@ -198,30 +282,68 @@ class Cell:
             elif event is Event.DECLINE:
                 job.outcome = "declined"
                 job.message = job.message or "All right, I shall not build it."
-            elif event in {Event.CANCEL, Event.STOP}:
+            elif event in {Event.CANCEL, Event.STOP, Event.AT_REST}:
                 job.outcome = "cancelled"
                 job.message = sentences.cancelled(job)
-            self._audio = self._upload = None
+            self.wishes.recording = None
             job.finished_s = self._clock.now_s()
+            job.finished_at = self._clock.wall_time()
             log.info("job ends", outcome=job.outcome, message=job.message)
             structlog.contextvars.unbind_contextvars("job")
 
     # --- stages: devices ----------------------------------------------------------------------
 
     async def _start(self, post: Post) -> None:
-        identity = await self._devices.arm.connect()
-        log.info("robot connected", **identity.model_dump())
-        await self._devices.belt.connect()
-        self.builder.check_at_start()
-        await self._devices.designer.call(_warm_up, timeout_s=60.0)
+        await self._journal.start()
+        await self._journal.flush()
+        arm, belt = self._devices.arm, self._devices.belt
+        identity, seen = await asyncio.gather(arm.connect(), belt.connect(), return_exceptions=True)
+        for result in (identity, seen):
+            if isinstance(result, BaseException):
+                raise result
+        log.info("robot connected", identity=str(identity))
+        job = self._recall()
+        await self.builder.settle_cut(job.step if job is not None else None)
+        if job is not None:
+            job.standing = self.builder.standing
 
         def done() -> None:
             self.started = True
 
-        post(Event.STARTED, done)
+        def recalled() -> None:
+            self.started = True
+            self.job = job
+
+        if job is None and self.builder.doubt is None:
+            post(Event.STARTED, done)
+        else:
+            post(Event.RECALLED, recalled)
+
+    def _recall(self) -> Job | None:
+        """The job that an earlier daemon did not finish; one of which nothing is known but that
+        somebody spoke is closed."""
+        if self.active_job is not None:
+            return self.active_job
+        kept = self._journal.open_job()
+        if kept is None:
+            return None
+        job = Job.recalled(*kept, standing=self.builder.standing)
+        if job.phase is Phase.HEARING and job.utterance is None:
+            job.outcome, job.message = "failed", "I was interrupted; please say it again."
+            job.finished_at = self._clock.wall_time()
+            self._journal.keep_job(job.record())
+            return None
+        if job.phase is Phase.HEARING:
+            job.phase = Phase.INTERPRETING
+        log.info("job recalled", job=job.job_id, phase=job.phase, placed=job.placed)
+        return job
 
     async def _brake(self, post: Post) -> None:
         await self._halt_everything()
+        job = self.active_job
+        if job is not None and job.cancelling:
+            await self.builder.settle_cut(job.step)
+            job.standing = self.builder.standing
         post(Event.AT_REST)
 
     async def _hold(self, post: Post) -> None:  # noqa: ARG002 - every stage has the same form
@@ -253,110 +375,12 @@ class Cell:
         await self._devices.belt.recover()
         post(Event.RECOVERED)
 
-    # --- stages: from words to a plan ---------------------------------------------------------
-
-    async def _hear(self, post: Post) -> None:
-        job = self._job()
-        assert self._audio is not None
-        name, wav = self._audio
-        self.recogniser = await self._devices.hearing.warm_up()
-        post(Event.SPEECH_STARTED)
-        log.info("listening", name=name, recogniser=self.recogniser)
-        with audio_file(wav) as path:
-            utterance = await self._devices.hearing.hear_wav(path)
-        self._audio = None
-        self._publish(SpeechData(utterance=utterance), self.controller.state)
-        if not utterance.text:
-            raise NoObjectError("I heard nothing that I could understand.", "Please say it again.")
-
-        def keep() -> None:
-            job.utterance = utterance
-
-        post(Event.HEARD, keep)
-
-    async def _interpret(self, post: Post) -> None:
-        job = self._job()
-        assert job.utterance is not None
-        request = read_request(job.utterance.text, self.config.voxel.pitch_m)
-        self._publish(SpeechData(utterance=job.utterance, request=request), self.controller.state)
-        log.info("understood", intent=request.intent, phrase=request.phrase)
-        job.request = request
-        if request.intent is not Intent.DESIGN:
-            raise NoObjectError(_restate(request))
-
-        def keep() -> None:
-            job.phase = Phase.GENERATING
-
-        post(Event.UNDERSTOOD, keep)
-
-    async def _generate(self, post: Post) -> None:
-        job = self._job()
-        assert job.request is not None
-        generated = await self._devices.designer.call(
-            design, job.request, self.config, timeout_s=self.config.planning.timeout_s
-        )
-
-        def keep() -> None:
-            job.generated = generated
-            job.phase = Phase.VALIDATING
-
-        post(Event.DESIGNED, keep)
-
-    async def _plan(self, post: Post) -> None:
-        job = self._job()
-        events = {"checking": Event.DISCRETISED, "sequencing": Event.CHECKED}
-        reached: set[str] = set()
-
-        def progress(name: str) -> None:
-            if name in events and name not in reached:
-                reached.add(name)
-                post(events[name])
-
-        plan = await self._planned(job, progress)
-        for name in events:
-            progress(name)
-
-        def keep() -> None:
-            job.plan = plan
-            job.phase = Phase.CONFIRMING
-            log.info("planned", title=plan.title, parts=plan.parts, plan=plan.plan_id)
-
-        def keep_and_go() -> None:
-            keep()
-            job.phase = Phase.BUILDING
-
-        if self.config.policy.confirmation == "waived":
-            log.info("confirmation waived by policy: building without asking")
-            post(Event.PLANNED_WAIVED, keep_and_go)
-        else:
-            post(Event.PLANNED, keep)
-
-    async def _planned(self, job: Job, progress: Callable[[str], None]) -> BuildPlan:
-        call = self._devices.designer.call
-        timeout_s = self.config.planning.timeout_s
-        available = self.builder.parts_available()
-        if job.generated is not None:
-            return await call(
-                plan_build, job.generated, self.config, available,
-                timeout_s=timeout_s, progress=progress,
-            )  # fmt: skip
-        assert self._upload is not None
-        name, content = self._upload
-        return await call(
-            plan_file, name, content, self.config, available,
-            timeout_s=timeout_s, progress=progress,
-        )  # fmt: skip
-
-    async def _confirm(self, post: Post) -> None:
-        job = self._job()
-        await self._clock.sleep(self.config.policy.confirmation_timeout_s)
-
-        def silence() -> None:
-            job.message = "Nobody said yes, so I shall not build it."
-
-        post(Event.DECLINE, silence)
-
     # --- stages: part after part --------------------------------------------------------------
+
+    async def _refill(self, post: Post) -> None:  # noqa: ARG002 - every stage has the same form
+        """Wait for parts on the belt; ``refill`` leads on."""
+        await self._clock.sleep(self.config.policy.refill_timeout_s)
+        raise CellFault("belt_empty", "Nobody has laid parts on it.")
 
     async def _feed(self, post: Post) -> None:
         job = self._job()
@@ -366,6 +390,10 @@ class Cell:
             return
         if job.pausing:
             post(Event.PAUSE)
+            return
+        await self._check_before_motion(job)
+        if self.builder.belt_is_empty():
+            post(Event.BELT_EMPTY)
             return
         await self.builder.feed(job, near=lambda: post(Event.PART_NEAR))
         post(Event.PART_READY)
@@ -413,14 +441,24 @@ class Cell:
         await self.builder.retreat(job)
         post(Event.COMPLETED)
 
+    async def _check_before_motion(self, job: Job) -> None:
+        """Once a job, and again after a fault: the robot and the belt are what the plan is for.
+
+        Raises:
+            CellFault: ``robot_mismatch``, ``belt_mismatch`` or of a device that does not answer.
+        """
+        if job.checked:
+            return
+        check = await self._devices.arm.verify()
+        await self._devices.belt.connect()
+        log.info("checked before motion", **check.model_dump())
+        job.checked = True
+
+    def _for_job(
+        self, stage: Callable[[Job, Post], Awaitable[None]]
+    ) -> Callable[[Post], Awaitable[None]]:
+        return lambda post: stage(self._job(), post)
+
     def _job(self) -> Job:
         assert self.job is not None, "a stage of a job runs only with a job"
         return self.job
-
-
-def _restate(request: Request) -> str:
-    return request.reason or "That is no physical object. Please ask for a thing to build."
-
-
-def _warm_up() -> None:
-    """Runs in the worker: importing this module there has loaded the planner already."""

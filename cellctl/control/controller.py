@@ -43,11 +43,13 @@ STAGES: dict[str, str] = {
     "validating_confirming": "confirm",
     "feeding_indexing": "feed",
     "feeding_presenting": "feed",
+    "feeding_refilling": "refill",
     "assembling_picking": "pick",
     "assembling_placing": "place",
     "assembling_verifying": "verify",
     "assembling_retreating": "retreat",
     "paused_braking": "brake",
+    "paused_moving": "hand",
     "fault_held": "hold",
     "fault_stopped": "hold",
     "fault_emergency": "hold",
@@ -97,6 +99,7 @@ class Item:
     stage: int | None = None
     """Number of the stage that sent it; None for people and monitors."""
     then: Callable[[], None] | None = None
+    unless: Callable[[], str] | None = None
     fault: CellFault | None = None
     reply: asyncio.Future[Decision] | None = None
 
@@ -131,7 +134,7 @@ class Controller:
         self._stages = stages
         self._publish = publish
         self._machine = CellMachine()
-        self._inbox: asyncio.Queue[Item] = asyncio.Queue()
+        self._inbox: asyncio.Queue[Item | asyncio.Future[None]] = asyncio.Queue()
         self._stage_number = 0
         self._stage_name: str | None = None
         self._stage_task: asyncio.Task[None] | None = None
@@ -156,18 +159,25 @@ class Controller:
         self._put(Item(_FAULT_EVENTS[fault.entry.severity], fault=fault))
 
     async def command(
-        self, event: Event, then: Callable[[], None] | None = None, timeout_s: float = 5.0
+        self,
+        event: Event,
+        then: Callable[[], None] | None = None,
+        *,
+        unless: Callable[[], str] | None = None,
+        timeout_s: float = 5.0,
     ) -> Decision:
         """Put a person's command into the inbox and wait for what the machine decides.
 
         Args:
+            then: runs in the consumer when the event is accepted.
+            unless: asked by the consumer at the moment of the decision; a reason refuses it.
             timeout_s: wall time.
 
         Raises:
             RefusedError: the present state does not allow it, or the cell is too busy to answer.
         """
         reply: asyncio.Future[Decision] = asyncio.get_running_loop().create_future()
-        self._put(Item(event, then=then, reply=reply))
+        self._put(Item(event, then=then, unless=unless, reply=reply))
         try:
             async with asyncio.timeout(timeout_s):
                 decision = await reply
@@ -177,12 +187,22 @@ class Controller:
             raise RefusedError(decision.reason)
         return decision
 
+    async def probe(self) -> None:
+        """Return when the consumer has taken everything that waits in the inbox now."""
+        taken: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._inbox.put_nowait(taken)
+        await taken
+
     async def run(self) -> None:
         """Consume the inbox until cancelled."""
         self._enter(self.state)
         try:
             while True:
-                self._consume(await self._inbox.get())
+                item = await self._inbox.get()
+                if isinstance(item, Item):
+                    self._consume(item)
+                elif not item.done():
+                    item.set_result(None)
         finally:
             await self._end_stage()
 
@@ -199,7 +219,8 @@ class Controller:
         if item.stage is not None and item.stage != self._stage_number:
             return
         before = self.state
-        decision = self._machine.feed(item.event)
+        reason = item.unless() if item.unless is not None else ""
+        decision = Decision("refused", before, reason) if reason else self._machine.feed(item.event)
         if item.reply is not None and not item.reply.done():
             item.reply.set_result(decision)
         if item.fault is not None:

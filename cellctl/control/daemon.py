@@ -6,6 +6,7 @@ import asyncio
 import signal
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
 
 import structlog
 
@@ -19,21 +20,26 @@ from cellctl.control.building import Builder
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell, Devices
 from cellctl.control.ears import LiveEars
+from cellctl.control.designing import warm_up
 from cellctl.control.health import LoopMonitor
-from cellctl.control.journal import MemoryJournal
+from cellctl.control.journal_store import SqliteJournal
 from cellctl.control.monitor import ArmMonitor, arm_view
+from cellctl.control.moving import ArmAndLatch
+from cellctl.control.notify import Condition, ServiceManager, ServiceReport
 from cellctl.control.requests import RequestDesk
-from cellctl.errors import HearingError
+from cellctl.errors import CellFault, HearingError
 from cellctl.feeding.conveyor import Conveyor
-from cellctl.feeding.inventory import Inventory
+from cellctl.feeding.inventory import Counts
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import FaultData, GripperData, LogData, Snapshot, StatusData
-from cellctl.worker import WorkerProcess
+from cellctl.worker import WorkerError, WorkerProcess
 
 log = structlog.get_logger(__name__)
 
 _CLOSE_PATIENCE_S = 10.0
+_WARM_UP_TIMEOUT_S = 60.0
+_DAY_S = 86_400.0
 
 
 class Daemon:
@@ -48,29 +54,37 @@ class Daemon:
         self.clock: Clock = SystemClock(config.cell.clock_rate)
         self.bus = Bus(config.bus, self.clock, config.hearing.max_audio_s)
         self.loop_monitor = LoopMonitor()
-        self.journal = MemoryJournal(self.clock)
         self.arm: Arm = RemoteArm(config)
         self.hearing = Hearing(config.hearing)
-        inventory = Inventory.full(config.limits.inventory_parts)
-        conveyor = Conveyor(config.feeder, config.voxel.pitch_m, self.clock)
-        belt = BeltService(conveyor, config.feeder.retries, inventory, self._publish)
         self.designer = WorkerProcess("planner")
-        self.devices = Devices(self.arm, belt, self.hearing, self.designer)
-        gripper = LatchGripper(self.arm, config)
-        self.builder = Builder(
+        self.journal = SqliteJournal(
+            Path(config.journal.path),
+            self.clock,
+            Counts.at_first(config.limits.inventory_parts, config.feeder.capacity_parts),
+            config_sha256=config.sha256,
+        )
+        hands = ArmAndLatch(config, self.clock, self.arm, LatchGripper(self.arm, config))
+        belt = BeltService(
+            Conveyor(config.feeder, config.voxel.pitch_m, self.clock),
+            config.feeder.retries,
+            lambda: self.journal.ledger.counts.belt,
+            self._publish,
+        )
+        self.devices = Devices(self.arm, hands, belt, self.hearing, self.designer)
+        self.builder = Builder(config, self.clock, hands=hands, belt=belt, journal=self.journal)
+        self.cell = Cell(
             config,
             self.clock,
-            arm=self.arm,
-            gripper=gripper,
-            belt=belt,
+            devices=self.devices,
+            builder=self.builder,
             journal=self.journal,
-            inventory=inventory,
+            publish=self.bus.publish,
         )
-        self.cell = Cell(config, self.clock, self.devices, self.builder, self.bus.publish)
+        self.service = ServiceReport(
+            ServiceManager.from_environment(), self.cell.controller.probe, self._condition
+        )
         self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish)
-        self.desk = RequestDesk(
-            self.cell, self.hearing, self.bus.publish, self.snapshot, self.ears
-        )
+        self.desk = RequestDesk(self.cell, self.hearing, self.bus.publish, self.snapshot, self.ears)
 
     def snapshot(self) -> Snapshot:
         """The whole picture for one who joins late."""
@@ -87,18 +101,24 @@ class Daemon:
             plan=job.plan if job is not None else None,
             parts=tuple(job.outcomes) if job is not None else (),
             standing=tuple(sorted(self.builder.standing)),
-            inventory=self.builder.inventory.counts.model_dump(),
+            inventory=self.builder.ledger.counts.model_dump(),
+            doubt=self.builder.doubt.sentence if self.builder.doubt is not None else "",
             arm=arm_view(self.arm.state()),
             conveyor=self.devices.belt.view(),
             gripper=GripperData(holding=self.builder.grip.value),
             fault=latched.view() if latched is not None else FaultData(),
             health=self.loop_monitor.health(cell.controller.inbox_size),
-            recogniser=cell.recogniser,
+            recogniser=cell.wishes.recogniser,
             ears=self.ears.data,
         )
 
     def _state(self) -> str:
         return self.cell.controller.state
+
+    def _condition(self) -> Condition:
+        state = self._state()
+        sentence = self.cell.last_state.sentence or f"The cell is {state.replace('_', ', ')}."
+        return Condition(up=state != "starting", sentence=sentence)
 
     def _publish(self, data: StatusData) -> None:
         self.bus.publish(data, self._state())
@@ -112,12 +132,29 @@ class Daemon:
             self._publish(self.loop_monitor.health(self.cell.controller.inbox_size))
             await asyncio.sleep(self.config.bus.heartbeat_s)
 
-    async def _warm_up_ears(self) -> None:
+    async def _warm_up(self) -> None:
+        """Load what the first wish needs, when the devices are found: that comes first."""
+        await self.cell.left_starting.wait()
         try:
-            self.cell.recogniser = await self.hearing.warm_up()
+            await self.designer.call(warm_up, timeout_s=_WARM_UP_TIMEOUT_S)
+        except WorkerError as error:
+            log.warning("the planner cannot be loaded", reason=str(error))
+        try:
+            self.cell.wishes.recogniser = await self.hearing.warm_up()
         except HearingError as error:
-            self.cell.recogniser = "none"
+            self.cell.wishes.recogniser = "none"
             log.warning("no speech recognition; typed requests work", reason=str(error))
+
+    async def _prune(self) -> None:
+        """Let the journal forget what is old, now and every day."""
+        await self.cell.left_starting.wait()
+        journal = self.config.journal
+        while True:
+            try:
+                await self.journal.prune(journal.keep_days, journal.keep_jobs)
+            except CellFault as fault:
+                log.warning("journal cannot be pruned", reason=str(fault))
+            await asyncio.sleep(_DAY_S)
 
     async def run(self) -> None:
         """Run until SIGTERM or SIGINT, then let go of everything.
@@ -134,6 +171,7 @@ class Daemon:
             async with self.running() as failed:
                 failed.add_done_callback(lambda _: stop.set())
                 await stop.wait()
+                self.service.stopping()
                 if failed.done():
                     failed.result()
         finally:
@@ -158,6 +196,14 @@ class Daemon:
                 failed.set_exception(error)
 
         self.bus.open()
+        try:
+            await self.journal.start()
+        except CellFault as fault:
+            # The cell comes up in this fault, where people see it, and tries again after a reset.
+            log.error("journal cannot be opened", reason=str(fault))  # noqa: TRY400
+        except BaseException:
+            self.bus.close()
+            raise
         monitor = ArmMonitor(self.arm, self.clock, self.cell.controller, self._publish)
         async with AsyncExitStack() as stack:
             stack.callback(self.bus.close)
@@ -172,7 +218,8 @@ class Daemon:
                 ("loop monitor", self.loop_monitor.run()),
                 ("arm monitor", monitor.run()),
                 ("live ears", self.ears.run(self.desk.take)),
-                ("ears", self._warm_up_ears()),
+                ("warm-up", self._warm_up()),
+                ("pruning", self._prune()),
             ):
                 task = asyncio.create_task(work, name=name)
                 task.add_done_callback(watch)
@@ -186,6 +233,7 @@ class Daemon:
             ("belt", self.devices.belt.close()),
             ("recogniser", self.hearing.close()),
             ("planner", self.designer.close()),
+            ("journal", self.journal.close()),
         ):
             try:
                 async with asyncio.timeout(_CLOSE_PATIENCE_S):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import secrets
 from dataclasses import dataclass, field
+from datetime import datetime
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
-from cellctl.assembly import BuildPlan, Request, Role, Step, Utterance
+from cellctl.assembly import BuildPlan, Cell, Request, Role, Step, Utterance
+from cellctl.control.acts import JobFiles, JobRecord
 from cellctl.control.states import Event
 from cellctl.messages import JobData, Outcome, PartOutcome
 
@@ -19,11 +21,22 @@ class Phase(StrEnum):
     """Where ``resume`` takes a job up again."""
 
     HEARING = "hearing"
+    INTERPRETING = "interpreting"
     GENERATING = "generating"
     VALIDATING = "validating"
     CONFIRMING = "confirming"
     BUILDING = "building"
     RETREATING = "retreating"
+
+
+_RESUMES = {
+    Phase.HEARING: Event.RESUME_IDLE,
+    Phase.INTERPRETING: Event.RESUME_INTERPRETING,
+    Phase.GENERATING: Event.RESUME_GENERATING,
+    Phase.VALIDATING: Event.RESUME_VALIDATING,
+    Phase.CONFIRMING: Event.RESUME_CONFIRMING,
+}
+"""What ``resume`` leads to before anything has moved."""
 
 
 class Grip(StrEnum):
@@ -48,8 +61,16 @@ class Job:
     generated: GeneratedMesh | None = None
     plan: BuildPlan | None = None
     phase: Phase = Phase.HEARING
-    placed: int = 0
-    """How many steps of the plan are done; also the index of the next one."""
+    began_at: datetime | None = None
+    """Calendar time."""
+    finished_at: datetime | None = None
+    upload_name: str = ""
+    upload: bytes | None = None
+    """The mesh or plan file that it began with."""
+    checked: bool = False
+    """The cell was looked over before the first motion."""
+    standing: frozenset[Cell] = frozenset()
+    """Cells of the workspace that hold a part."""
     outcomes: list[PartOutcome] = field(default_factory=list)
     message: str = ""
     outcome: Outcome = ""
@@ -60,27 +81,28 @@ class Job:
     finished_s: float | None = None
 
     @property
+    def placed(self) -> int:
+        """How many parts of the plan stand."""
+        return sum(step.cell in self.standing for step in self._steps)
+
+    @property
     def step(self) -> Step | None:
-        """The step to carry out next; None when all are done."""
-        if self.plan is None or self.placed >= len(self.plan.steps):
-            return None
-        return self.plan.steps[self.placed]
+        """The step to carry out next: the first whose part does not stand; None when all do."""
+        return next((step for step in self._steps if step.cell not in self.standing), None)
 
     @property
     def more_after_this(self) -> bool:
         """Whether the plan has a step after the next one."""
-        return self.plan is not None and self.placed + 1 < len(self.plan.steps)
+        return self.placed + 1 < len(self._steps)
+
+    @property
+    def _steps(self) -> tuple[Step, ...]:
+        return self.plan.steps if self.plan is not None else ()
 
     def resume_event(self, grip: Grip) -> Event:
         """Which variant of ``resume`` goes on from here."""
-        if self.phase is Phase.HEARING:
-            return Event.RESUME_IDLE
-        if self.phase is Phase.GENERATING:
-            return Event.RESUME_GENERATING
-        if self.phase is Phase.VALIDATING:
-            return Event.RESUME_VALIDATING
-        if self.phase is Phase.CONFIRMING:
-            return Event.RESUME_CONFIRMING
+        if self.phase in _RESUMES:
+            return _RESUMES[self.phase]
         if self.phase is Phase.RETREATING or self.step is None:
             return Event.RESUME_RETREATING
         return {
@@ -89,6 +111,45 @@ class Job:
             Grip.PART: Event.RESUME_PLACING,
             Grip.RELEASING: Event.RESUME_VERIFYING,
         }[grip]
+
+    def record(self) -> JobRecord:
+        """As the journal keeps it."""
+        assert self.began_at is not None, "a job that is kept has begun"
+        return JobRecord(
+            job_id=self.job_id,
+            role=self.role,
+            began_at=self.began_at,
+            finished_at=self.finished_at,
+            phase=self.phase.value,
+            outcome=self.outcome,
+            message=self.message,
+            utterance=self.utterance,
+            request=self.request,
+            plan=self.plan,
+            parts=tuple(self.outcomes),
+            upload_name=self.upload_name,
+            cancelling=self.cancelling,
+        )
+
+    @classmethod
+    def recalled(cls, record: JobRecord, files: JobFiles, standing: frozenset[Cell]) -> Self:
+        """A job that an earlier daemon began."""
+        return cls(
+            record.role,
+            job_id=record.job_id,
+            utterance=record.utterance,
+            request=record.request,
+            generated=files.mesh,
+            plan=record.plan,
+            phase=Phase(record.phase),
+            began_at=record.began_at,
+            upload_name=record.upload_name,
+            upload=files.upload,
+            standing=standing,
+            outcomes=list(record.parts),
+            message=record.message,
+            cancelling=record.cancelling,
+        )
 
     def view(self) -> JobData:
         """The job as the bus shows it."""

@@ -1,62 +1,80 @@
 """What the cell did: every physical act as an intent before it and an outcome after it.
 
-An act that has an intent and no outcome is what a crash leaves behind.
+What is believed of the cell is a ``Ledger``, a fold over the acts that are settled. An act that has
+an intent and no outcome is what a crash leaves behind.
 """
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from datetime import datetime
-from enum import StrEnum
-from typing import Literal, Protocol
+from typing import Protocol
 
-from cellctl.assembly import Cell, Value
-from cellctl.clock import Clock
-
-Outcome = Literal["done", "failed", "interrupted"]
-
-
-class ActKind(StrEnum):
-    """The physical acts that a journal knows."""
-
-    FEED = "feed"
-    PICK = "pick"
-    PLACE = "place"
-    RELEASE = "release"
-    RETREAT = "retreat"
-    CLEAR = "clear"
-
-
-class Act(Value):
-    """One physical act."""
-
-    act_id: int
-    kind: ActKind
-    job_id: str
-    step: int | None
-    cell: Cell | None
-    intended_at: datetime
-    settled_at: datetime | None = None
-    outcome: Outcome | None = None
-    """None while the act is under way, or was cut off."""
-    detail: str = ""
+from cellctl.assembly import Cell
+from cellctl.control.acts import Act, ActKind, JobFiles, JobRecord, Outcome
+from cellctl.control.ledger import Ledger
+from cellctl.feeding.inventory import Counts, Move
 
 
 class Journal(Protocol):
-    """Where acts are written down."""
+    """Where acts and jobs are written down, in the order of the calls."""
 
-    def intend(
-        self, kind: ActKind, job_id: str, step: int | None = None, cell: Cell | None = None
-    ) -> int:
-        """Write an intent and return the act's id; ids grow and are never used twice."""
+    @property
+    def ledger(self) -> Ledger:
+        """What is believed of the cell, after all acts that are settled."""
         ...
 
-    def settle(self, act_id: int, outcome: Outcome, detail: str = "") -> None:
-        """Write the outcome of an act.
+    async def start(self) -> None:
+        """Open it; does nothing when it is open.
 
         Raises:
-            KeyError: there is no such act.
-            ValueError: the act has an outcome already.
+            ConfigError: another daemon uses it, or this one cannot.
+            CellFault: ``journal_damaged``, ``journal_failed``.
+        """
+        ...
+
+    async def intend(
+        self, kind: ActKind, job_id: str, step: int | None = None, cell: Cell | None = None
+    ) -> int:
+        """Write an intent; when this returns, it and all before it survive a loss of power.
+
+        Returns:
+            The act's id.
+
+        Raises:
+            CellFault: ``journal_failed``: nothing may move, for it could not be written down.
+        """
+        ...
+
+    def settle(
+        self,
+        act_id: int,
+        outcome: Outcome,
+        detail: str = "",
+        moves: tuple[Move, ...] = (),
+        belt_indexes: int | None = None,
+    ) -> None:
+        """Give an act its outcome. The ledger has it at once, the disk before the next intent.
+
+        Raises:
+            KeyError: there is no such act without an outcome.
+            InventoryError: the moves are impossible; the act stays without an outcome.
+        """
+        ...
+
+    async def record(
+        self,
+        kind: ActKind,
+        *,
+        job_id: str = "",
+        cell: Cell | None = None,
+        detail: str = "",
+        moves: tuple[Move, ...] = (),
+        counts: Counts | None = None,
+    ) -> None:
+        """Write an act that is over already, as what a person did; durable when this returns.
+
+        Raises:
+            InventoryError: the moves are impossible; nothing was written.
+            CellFault: ``journal_failed``.
         """
         ...
 
@@ -65,61 +83,22 @@ class Journal(Protocol):
         ...
 
     def recent(self, limit: int) -> tuple[Act, ...]:
-        """The newest acts, newest first."""
+        """The newest acts, newest first; those whose writing is still under way included."""
         ...
 
+    def keep_job(self, record: JobRecord, files: JobFiles | None = None) -> None:
+        """Write a job's record, on disk before the next intent; no ``files`` leaves them as they
+        are."""
+        ...
 
-class MemoryJournal:
-    """A journal that lives as long as its process.
+    def open_job(self) -> tuple[JobRecord, JobFiles] | None:
+        """The newest job that has not finished."""
+        ...
 
-    Args:
-        clock: gives the calendar time of intents and outcomes.
-        capacity: how many settled acts are kept; unsettled ones are always kept.
-    """
+    async def flush(self) -> None:
+        """Wait until everything is on disk.
 
-    def __init__(self, clock: Clock, capacity: int = 10_000) -> None:
-        self._clock = clock
-        self._capacity = capacity
-        self._next_id = 1
-        self._acts: OrderedDict[int, Act] = OrderedDict()
-
-    def intend(
-        self, kind: ActKind, job_id: str, step: int | None = None, cell: Cell | None = None
-    ) -> int:
-        act_id = self._next_id
-        self._next_id += 1
-        self._acts[act_id] = Act(
-            act_id=act_id,
-            kind=kind,
-            job_id=job_id,
-            step=step,
-            cell=cell,
-            intended_at=self._clock.wall_time(),
-        )
-        self._prune()
-        return act_id
-
-    def settle(self, act_id: int, outcome: Outcome, detail: str = "") -> None:
-        act = self._acts[act_id]
-        if act.outcome is not None:
-            raise ValueError(f"act {act_id} has the outcome {act.outcome} already")
-        self._acts[act_id] = act.model_copy(
-            update={
-                "outcome": outcome,
-                "settled_at": self._clock.wall_time(),
-                "detail": detail,
-            }
-        )
-
-    def unsettled(self) -> tuple[Act, ...]:
-        return tuple(act for act in self._acts.values() if act.outcome is None)
-
-    def recent(self, limit: int) -> tuple[Act, ...]:
-        return tuple(list(self._acts.values())[: -limit - 1 : -1])
-
-    def _prune(self) -> None:
-        if len(self._acts) <= self._capacity:
-            return
-        oldest = next((i for i, act in self._acts.items() if act.outcome is not None), None)
-        if oldest is not None:
-            del self._acts[oldest]
+        Raises:
+            CellFault: ``journal_failed``.
+        """
+        ...

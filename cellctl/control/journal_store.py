@@ -23,7 +23,6 @@ import structlog
 from cellctl.assembly import Cell
 from cellctl.clock import Clock
 from cellctl.control.acts import Act, ActKind, JobFiles, JobRecord, Outcome
-from cellctl.control.journal_contents import Contents
 from cellctl.control.journal_lock import JournalLock
 from cellctl.control.journal_writer import Batch, JournalWriter, Policy
 from cellctl.control.ledger import Ledger
@@ -43,26 +42,32 @@ _RETRY_S: Final = 5.0
 
 
 class SqliteJournal:
-    """The ``Journal`` of a daemon; made by ``open``, ended by ``close``."""
+    """The ``Journal`` of a daemon: ``start`` it, and ``close`` it.
+
+    Until it has started it believes in ``first_counts``, and takes nothing.
+
+    Args:
+        path: the file; its folder is made if need be.
+        clock: gives the calendar time of acts, which is for people: it may jump.
+        first_counts: where the parts are when the journal is new.
+        config_sha256: of the configuration, kept with every job.
+    """
 
     def __init__(
-        self,
-        clock: Clock,
-        lock: JournalLock,
-        thread: ThreadPoolExecutor,
-        writer: JournalWriter,
-        contents: Contents,
+        self, path: Path, clock: Clock, first_counts: Counts, *, config_sha256: str = ""
     ) -> None:
+        self._path = path
         self._clock = clock
-        self._lock = lock
-        self._thread = thread
-        self._writer = writer
-        self._ledger = self._saved_ledger = contents.ledger
-        self._saved_order = contents.settled_order
-        self._saved_act_id = self._last_act_id = contents.act_id
-        self._recent = {act.act_id: act for act in contents.recent}
-        self._unsettled = {act.act_id: act for act in contents.unsettled}
-        self._open_jobs = {record.job_id: (record, files) for record, files in contents.open_jobs}
+        self._first_counts = first_counts
+        self._lock = JournalLock(path)
+        self._writer = JournalWriter(path, config_sha256)
+        self._thread: ThreadPoolExecutor | None = None
+        """None until it has started."""
+        self._ledger = self._saved_ledger = Ledger(counts=first_counts)
+        self._saved_order = self._saved_act_id = self._last_act_id = 0
+        self._recent: dict[int, Act] = {}
+        self._unsettled: dict[int, Act] = {}
+        self._open_jobs: dict[str, tuple[JobRecord, JobFiles]] = {}
         # What the file does not have yet.
         self._new_intents: dict[int, Act] = {}
         self._new_outcomes: list[Act] = []
@@ -78,38 +83,51 @@ class SqliteJournal:
     async def open(
         cls, path: Path, clock: Clock, first_counts: Counts, *, config_sha256: str = ""
     ) -> Self:
-        """Open a journal, or make a new one; lock it against other daemons until ``close``.
+        """A journal that has started; see ``start``."""
+        journal = cls(path, clock, first_counts, config_sha256=config_sha256)
+        await journal.start()
+        return journal
+
+    async def start(self) -> None:
+        """Open the file, or make a new one; lock it against other daemons until ``close``. Does
+        nothing when it has started.
 
         All of the file is looked at, and one of an older version is brought to this one.
-
-        Args:
-            path: the file; its folder is made if need be.
-            clock: gives the calendar time of acts, which is for people: it may jump.
-            first_counts: where the parts are when the journal is new.
-            config_sha256: of the configuration, kept with every job.
 
         Raises:
             ConfigError: another daemon uses it (the message names its process), this user cannot
                 write there, or a newer cellctl wrote it.
             CellFault: ``journal_damaged``: it is left as it is; ``journal_failed``.
         """
-        lock = JournalLock(path)
-        lock.acquire()
+        if self._thread is not None:
+            return
+        self._lock.acquire()
         thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="journal")
-        writer = JournalWriter(path, config_sha256)
         try:
             contents = await asyncio.get_running_loop().run_in_executor(
-                thread, writer.open, first_counts, clock.wall_time(), REMEMBERED_ACTS
+                thread,
+                self._writer.open,
+                self._first_counts,
+                self._clock.wall_time(),
+                REMEMBERED_ACTS,
             )
         except BaseException:
-            thread.submit(writer.close)
+            thread.submit(self._writer.close)
             thread.shutdown()
-            lock.release()
+            self._lock.release()
             raise
-        return cls(clock, lock, thread, writer, contents)
+        self._thread = thread
+        self._ledger = self._saved_ledger = contents.ledger
+        self._saved_order = contents.settled_order
+        self._saved_act_id = self._last_act_id = contents.act_id
+        self._recent = {act.act_id: act for act in contents.recent}
+        self._unsettled = {act.act_id: act for act in contents.unsettled}
+        self._open_jobs = {record.job_id: (record, files) for record, files in contents.open_jobs}
 
     async def close(self) -> None:
         """Write what is left, and let go of the file; a failure is logged."""
+        if self._thread is None:
+            return
         try:
             await self.flush()
         except CellFault as fault:
@@ -120,6 +138,7 @@ class SqliteJournal:
             await asyncio.gather(*filter(None, [self._attempt]), return_exceptions=True)
             await self._in_thread(self._writer.close)
             self._thread.shutdown()
+            self._thread = None
             self._lock.release()
 
     # --- what is believed ---------------------------------------------------------------------
@@ -376,6 +395,8 @@ class SqliteJournal:
             self._write_soon(_LINGER_S)
 
     async def _in_thread(self, work: Callable[..., T], *arguments: object) -> T:
+        if self._thread is None:
+            raise CellFault("journal_failed", f"{self._path}: it is not open.")
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, lambda: work(*arguments))
 

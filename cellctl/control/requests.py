@@ -10,6 +10,7 @@ import structlog
 
 from cellctl.assembly import Role, Utterance
 from cellctl.control.audio import audio_file
+from cellctl.control.books import Books
 from cellctl.control.cell import Cell
 from cellctl.control.ears import LiveEars
 from cellctl.control.states import Event
@@ -22,6 +23,7 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
+    HandCommand,
     HearCommand,
     ListenCommand,
     MuteCommand,
@@ -29,6 +31,7 @@ from cellctl.messages import (
     ReplyError,
     SayCommand,
     Snapshot,
+    SnapshotCommand,
     SpeechData,
     StatusData,
 )
@@ -38,12 +41,14 @@ log = structlog.get_logger(__name__)
 _OVERHEARING_LIMIT = 4
 """How many recordings may wait to be heard while a job is under way."""
 
+_HAND_TIMEOUT_S = 120.0
+"""Longest movement by hand that somebody waits for (wall time)."""
+
 _EVENTS = {
     "pause": Event.PAUSE,
     "stop": Event.STOP,
     "cancel": Event.CANCEL,
     "reset": Event.RESET,
-    "clear": Event.CLEAR,
 }
 _DONE = {
     "pause": "Pausing at the next safe point.",
@@ -51,7 +56,6 @@ _DONE = {
     "stop": "Stopping now; the part stays in the gripper.",
     "cancel": "Ending the job; what stands stays.",
     "reset": "Clearing the fault; nothing moves until you resume.",
-    "clear": "The workspace counts as empty.",
 }
 _WORDS: dict[str, str | bool] = {
     "stop": "stop",
@@ -87,6 +91,7 @@ class RequestDesk:
         self._publish = publish
         self._snapshot = snapshot
         self._ears = ears
+        self._books = Books(cell)
         self._overhearing: set[asyncio.Task[None]] = set()
 
     async def handle(
@@ -131,7 +136,9 @@ class RequestDesk:
             error=error,
         )
 
-    async def _dispatch(self, request: ControlRequest, attachment: bytes | None, role: Role) -> str:
+    async def _dispatch(  # noqa: PLR0911 - one way out a command
+        self, request: ControlRequest, attachment: bytes | None, role: Role
+    ) -> str:
         body = request.body
         if role is not Role.OPERATOR and body.command in OPERATOR_COMMANDS:
             raise RefusedError(f"{body.command} needs the operator.")
@@ -146,17 +153,22 @@ class RequestDesk:
                 return await self._hear(body.name, _file(attachment, body.name), role)
             case BuildCommand():
                 content = _file(attachment, body.name)
-                self._refuse_if_occupied()
                 await self._cell.controller.command(
-                    Event.BUILD, lambda: self._cell.begin_upload(body.name, content, role)
+                    Event.BUILD,
+                    lambda: self._cell.begin_upload(body.name, content, role),
+                    unless=self._cell.why_occupied,
                 )
                 return f"Planning {body.name}."
             case ConfirmCommand():
                 return await self._word(body.answer, role)
             case PlainCommand():
                 return await self._word(body.command, role)
-            case _:
+            case HandCommand():
+                return await self._hand(body)
+            case SnapshotCommand():
                 return ""
+            case _:
+                return await self._books.take(body)
 
     async def _word(self, word: str | bool, role: Role) -> str:
         """Carry out a command without arguments, or a yes or no."""
@@ -166,13 +178,37 @@ class RequestDesk:
             return "Then I begin." if word else "Then I leave it."
         if word == "cancel":
             self._refuse_to_cancel_anothers(role)
+        if word in {"clear", "hand_over"}:
+            return await self._books.empty_workspace(handed_over=word == "hand_over")
         if word == "resume":
-            await controller.command(self._cell.resume_event())
-        elif word == "clear":
-            await controller.command(Event.CLEAR, self._cell.builder.declare_clear)
+            await self._resume()
         else:
             await controller.command(_EVENTS[word])
         return _DONE[word]
+
+    async def _resume(self) -> None:
+        """Go on; what is believed of a part in doubt is taken for granted then."""
+        cell = self._cell
+        if cell.controller.state == "paused_resting":
+            await cell.resume_doubt()
+        await cell.controller.command(cell.resume_event())
+
+    async def _hand(self, command: HandCommand) -> str:
+        hand = self._cell.hand
+        ended: list[asyncio.Future[str]] = []
+        await self._cell.controller.command(
+            Event.HAND, lambda: ended.append(hand.begin(command)), unless=self._why_no_hand(command)
+        )
+        async with asyncio.timeout(_HAND_TIMEOUT_S):
+            return await asyncio.shield(ended[0])
+
+    def _why_no_hand(self, command: HandCommand) -> Callable[[], str]:
+        def why_not() -> str:
+            if self._cell.controller.state != "paused_resting":
+                return ""  # the machine has its own reason
+            return self._cell.hand.why_not(command)
+
+        return why_not
 
     async def take(self, utterance: Utterance, role: Role) -> str:
         """Do what somebody said: a command, or a wish; returns what happens now.
@@ -183,17 +219,19 @@ class RequestDesk:
         word = spoken_command(utterance.text)
         if word is not None:
             return await self._spoken_word(word, role)
-        self._refuse_if_occupied()
         await self._cell.controller.command(
-            Event.SAY, lambda: self._cell.begin_text(utterance, role)
+            Event.SAY,
+            lambda: self._cell.begin_text(utterance, role),
+            unless=self._cell.why_occupied,
         )
         return "I am thinking about it."
 
     async def _hear(self, name: str, wav: bytes, role: Role) -> str:
         if self._cell.controller.state == "idle":
-            self._refuse_if_occupied()
             await self._cell.controller.command(
-                Event.HEAR, lambda: self._cell.begin_audio(name, wav, role)
+                Event.HEAR,
+                lambda: self._cell.begin_audio(name, wav, role),
+                unless=self._cell.why_occupied,
             )
             return "I am listening."
         if len(self._overhearing) >= _OVERHEARING_LIMIT:
@@ -234,13 +272,6 @@ class RequestDesk:
             raise RefusedError(
                 "The operator began this job; cancel needs the operator.",
                 "Say stop if the cell has to stop now.",
-            )
-
-    def _refuse_if_occupied(self) -> None:
-        if self._cell.controller.state == "idle" and self._cell.builder.standing:
-            raise RefusedError(
-                f"{len(self._cell.builder.standing)} parts stand in the workspace.",
-                "Take them out, then say `cellctl clear`.",
             )
 
     async def close(self) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from cellctl.control.job import Job
+from cellctl.control.ledger import Ledger
+from cellctl.control.recovery import Doubt
 from cellctl.errors import CellFault
 
 _STATES = {
@@ -17,28 +19,105 @@ _STATES = {
     "validating_sequencing": "I am working out the order of the parts.",
     "feeding_indexing": "I am waiting for the next part.",
     "feeding_presenting": "The next part is arriving.",
+    "feeding_refilling": "The belt is empty.",
     "assembling_picking": "I am picking a part up.",
     "assembling_placing": "I am placing a part.",
     "assembling_verifying": "I am letting the part go.",
     "assembling_retreating": "I am moving out of the way.",
     "paused_braking": "I am coming to rest.",
     "paused_resting": "I am paused.",
+    "paused_moving": "The operator is moving me by hand.",
     "fault_recovering": "The operator is bringing me back.",
 }
 
 
-def describe(state: str, job: Job | None, fault: CellFault | None, *, pitch_m: float) -> str:
+def describe(
+    state: str,
+    job: Job | None,
+    fault: CellFault | None,
+    doubt: Doubt | None,
+    ledger: Ledger,
+    *,
+    pitch_m: float,
+) -> str:
     """The present state in words."""
+    own = {
+        "idle": lambda: idle(job, ledger),
+        "paused_resting": lambda: paused(job, doubt, ledger),
+        "feeding_refilling": lambda: refilling(job, ledger),
+    }
+    if state in own:
+        return own[state]()
     if state.startswith("fault") and fault is not None and state != "fault_recovering":
         return f"{fault.message} {fault.hint}"
-    if state == "validating_confirming" and job is not None and job.plan is not None:
+    if job is None or job.plan is None:
+        return _STATES[state]
+    if state == "validating_confirming":
         return question(job, pitch_m)
-    if state == "idle" and job is not None and job.message:
-        return f"{job.message} {_STATES['idle']}"
-    if state.startswith("assembling") and job is not None and job.plan is not None:
+    if state.startswith("assembling"):
         part = min(job.placed + 1, len(job.plan.steps))
         return f"{_STATES[state][:-1]} ({part} of {len(job.plan.steps)})."
     return _STATES[state]
+
+
+def idle(job: Job | None, ledger: Ledger) -> str:
+    """What became of the last job, and what is needed before the next one."""
+    message = f"{job.message} " if job is not None and job.message else ""
+    return f"{message}{_occupied(ledger) or _STATES['idle']}"
+
+
+def paused(job: Job | None, doubt: Doubt | None, ledger: Ledger) -> str:
+    """What is believed of the cell while it stands still, and what it needs to go on."""
+    said = [_STATES["paused_resting"]]
+    active = job is not None and job.finished_s is None
+    if active and job is not None and job.plan is not None:
+        said = [f"Paused: {job.placed} of {len(job.plan.steps)} placed."]
+    if doubt is not None:
+        said.append(
+            f"{doubt.sentence}: look, then say resume if it is {_WHERE[doubt.believed]}, or tell "
+            "where it is with `cellctl recover`."
+        )
+        return " ".join(said)
+    if ledger.holding:
+        said.append("The gripper holds a part.")
+    if active and ledger.standing:
+        said.append("Look whether all placed parts still stand.")
+    said.append("Say resume to go on.")
+    return " ".join(said)
+
+
+_WHERE = {
+    "gripper": "in the gripper",
+    "cell": "at its cell",
+    "station": "at the pick station",
+    "stock": "in the stock",
+    "scrap": "scrap",
+    "unknown": "gone",
+}
+
+
+def refilling(job: Job | None, ledger: Ledger) -> str:
+    """What is needed when the belt has run empty."""
+    if not ledger.counts.stock:
+        return "The belt and the stock are empty. Find more parts and tell it with `cellctl own`."
+    left = len(job.plan.steps) - job.placed if job is not None and job.plan is not None else 0
+    return (
+        f"The belt is empty and {_parts(left)} are still to place. "
+        "Lay parts on the belt and say `cellctl refill`."
+    )
+
+
+def _occupied(ledger: Ledger) -> str:
+    if not ledger.standing:
+        return ""
+    return (
+        f"{_parts(len(ledger.standing))} stand in the workspace: take the object along "
+        "(`cellctl hand-over`), or take it apart (`cellctl clear`)."
+    )
+
+
+def _parts(count: int) -> str:
+    return "1 part" if count == 1 else f"{count} parts"
 
 
 def question(job: Job, pitch_m: float) -> str:
@@ -47,12 +126,11 @@ def question(job: Job, pitch_m: float) -> str:
     assert plan is not None
     sizes = " x ".join(f"{edge * pitch_m * 100:.0f}" for edge in plan.assembly.size)
     known = [step.duration_s for step in plan.steps if step.duration_s is not None]
-    parts = f"{plan.parts} part{'s' if plan.parts != 1 else ''}"
     time = f", about {_duration(sum(known))}" if len(known) == len(plan.steps) else ""
     changes = "".join(f" {change.what}" for change in plan.changes)
     title = plan.title[:1].upper() + plan.title[1:]
     asked = "".join(f" {text}" for text in plan.questions)
-    return f"{title}, {sizes} cm, {parts}{time}.{changes}{asked} Shall I build it?"
+    return f"{title}, {sizes} cm, {_parts(plan.parts)}{time}.{changes}{asked} Shall I build it?"
 
 
 def finished(job: Job) -> str:

@@ -22,6 +22,8 @@ class Event(StrEnum):
 
     # Results of the stages and devices.
     STARTED = "started"
+    RECALLED = "recalled"
+    """Started, and something is left over from before: a job, or a part in doubt."""
     SPEECH_STARTED = "speech_started"
     HEARD = "heard"
     REJECTED = "rejected"
@@ -31,6 +33,7 @@ class Event(StrEnum):
     CHECKED = "checked"
     PLANNED = "planned"
     PLANNED_WAIVED = "planned_waived"
+    BELT_EMPTY = "belt_empty"
     PART_NEAR = "part_near"
     PART_READY = "part_ready"
     PICKED = "picked"
@@ -42,6 +45,7 @@ class Event(StrEnum):
     COMPLETED = "completed"
     PAUSE_NOW = "pause_now"
     AT_REST = "at_rest"
+    HAND_DONE = "hand_done"
     RECOVERED = "recovered"
     FAULT_HELD = "fault_held"
     FAULT_STOPPED = "fault_stopped"
@@ -56,10 +60,15 @@ class Event(StrEnum):
     STOP = "stop"
     CANCEL = "cancel"
     RESET = "reset"
-    CLEAR = "clear"
+    REFILL = "refill"
+    BOOK = "book"
+    """A person says what became of parts: cleared, handed over, missing, counted, found."""
+    HAND = "hand"
+    """A movement by an operator's hand."""
     # One command, ``resume``: the controller picks the variant from how far the job has come.
     RESUME_IDLE = "resume_idle"
     RESUME_STARTING = "resume_starting"
+    RESUME_INTERPRETING = "resume_interpreting"
     RESUME_GENERATING = "resume_generating"
     RESUME_VALIDATING = "resume_validating"
     RESUME_CONFIRMING = "resume_confirming"
@@ -72,7 +81,7 @@ class Event(StrEnum):
 
 COMMANDS = frozenset(
     {Event.SAY, Event.HEAR, Event.BUILD, Event.CONFIRM, Event.DECLINE, Event.PAUSE}
-    | {Event.STOP, Event.CANCEL, Event.RESET, Event.CLEAR}
+    | {Event.STOP, Event.CANCEL, Event.RESET, Event.REFILL, Event.BOOK, Event.HAND}
     | {event for event in Event if event.value.startswith("resume_")}
 )
 FAULTS = frozenset({Event.FAULT_HELD, Event.FAULT_STOPPED, Event.FAULT_EMERGENCY})
@@ -83,9 +92,9 @@ STATES: dict[str, tuple[str, ...]] = {
     "listening": ("waiting", "hearing", "interpreting"),
     "generating": (),
     "validating": ("discretising", "checking", "sequencing", "confirming"),
-    "feeding": ("indexing", "presenting"),
+    "feeding": ("indexing", "presenting", "refilling"),
     "assembling": ("picking", "placing", "verifying", "retreating"),
-    "paused": ("braking", "resting"),
+    "paused": ("braking", "resting", "moving"),
     "fault": ("held", "stopped", "emergency", "recovering"),
 }
 """Top-level states and their substates."""
@@ -97,8 +106,10 @@ LEAVES: tuple[str, ...] = tuple(
 )
 """The states that the machine can rest in, as ``top`` or ``top_sub``."""
 
-MOTION_STATES = frozenset({"assembling_picking", "assembling_placing", "assembling_retreating"})
-"""States in which the arm may move by its plan."""
+MOTION_STATES = frozenset(
+    {"assembling_picking", "assembling_placing", "assembling_retreating", "paused_moving"}
+)
+"""States in which the arm may move: by its plan, or by an operator's hand."""
 
 
 def leaves_of(*tops: str) -> list[str]:
@@ -127,12 +138,14 @@ _DESIGNING = [
     "validating_checking",
     "validating_sequencing",
 ]
+_BRINGING = ["feeding_indexing", "feeding_presenting"]
 _BEFORE_MOTION = ["starting", *leaves_of("generating", "validating", "feeding")]
 _FAULT_AT_REST = ["fault_held", "fault_stopped", "fault_emergency"]
 _NO_FAULT = [leaf for leaf in LEAVES if top_of(leaf) != "fault"]
 
 _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.STARTED, ["starting"], "idle"),
+    (Event.RECALLED, ["starting"], "paused_resting"),
     # Words.
     (Event.SAY, ["idle"], "listening_interpreting"),
     (Event.HEAR, ["idle"], "listening_waiting"),
@@ -150,8 +163,10 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.DECLINE, ["validating_confirming"], "idle"),
     (Event.REJECTED, [*leaves_of("listening"), *_DESIGNING], "idle"),
     # Part after part.
+    (Event.BELT_EMPTY, ["feeding_indexing"], "feeding_refilling"),
+    (Event.REFILL, ["feeding_refilling"], "feeding_indexing"),
     (Event.PART_NEAR, ["feeding_indexing"], "feeding_presenting"),
-    (Event.PART_READY, leaves_of("feeding"), "assembling_picking"),
+    (Event.PART_READY, _BRINGING, "assembling_picking"),
     (Event.PICKED, ["assembling_picking"], "assembling_placing"),
     (Event.PICK_AGAIN, ["assembling_picking", "assembling_placing"], "feeding_indexing"),
     (Event.PLACED, ["assembling_placing"], "assembling_verifying"),
@@ -164,9 +179,14 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.PAUSE_NOW, _ASSEMBLING, "paused_braking"),
     (Event.PAUSE, ["idle", *leaves_of("generating", "validating")], "paused_resting"),
     (Event.PAUSE, leaves_of("feeding"), "paused_braking"),
-    (Event.PAUSE, leaves_of("paused"), None),
+    (Event.PAUSE, ["paused_braking", "paused_resting"], None),
+    (Event.PAUSE, ["paused_moving"], "paused_braking"),
     # Stop works from everywhere. With nothing under way there is nothing to hold.
-    (Event.STOP, [*_BEFORE_MOTION, *_ASSEMBLING, "paused_resting"], "paused_braking"),
+    (
+        Event.STOP,
+        [*_BEFORE_MOTION, *_ASSEMBLING, "paused_resting", "paused_moving"],
+        "paused_braking",
+    ),
     (Event.STOP, leaves_of("listening"), "idle"),
     (Event.STOP, ["idle", "paused_braking", *leaves_of("fault")], None),
     (Event.AT_REST, ["paused_braking"], "paused_resting"),
@@ -175,11 +195,17 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.CANCEL, leaves_of("listening", "generating", "validating"), "idle"),
     (Event.CANCEL, leaves_of("feeding"), "assembling_retreating"),
     (Event.CANCEL, _ASSEMBLING, None),
-    (Event.CANCEL, ["paused_resting"], None),
-    (Event.CLEAR, ["idle"], None),
+    (Event.CANCEL, ["paused_resting"], "paused_braking"),
+    # What people say of parts moves nothing.
+    (Event.REFILL, [leaf for leaf in LEAVES if leaf != "feeding_refilling"], None),
+    (Event.BOOK, ["idle", "paused_resting", *_FAULT_AT_REST], None),
+    # An operator's hand: out of a pause, and back into it.
+    (Event.HAND, ["paused_resting"], "paused_moving"),
+    (Event.HAND_DONE, ["paused_moving"], "paused_resting"),
     # Only from rest, and only by a person.
     (Event.RESUME_IDLE, ["paused_resting"], "idle"),
     (Event.RESUME_STARTING, ["paused_resting"], "starting"),
+    (Event.RESUME_INTERPRETING, ["paused_resting"], "listening_interpreting"),
     (Event.RESUME_GENERATING, ["paused_resting"], "generating"),
     (Event.RESUME_VALIDATING, ["paused_resting"], "validating_discretising"),
     (Event.RESUME_CONFIRMING, ["paused_resting"], "validating_confirming"),
@@ -217,7 +243,8 @@ _REFUSALS: dict[Event, str] = {
     Event.CONFIRM: "Nothing waits for a yes.",
     Event.DECLINE: "Nothing waits for a no.",
     Event.RESET: "There is no fault to reset.",
-    Event.CLEAR: "The workspace can be declared clear only when idle.",
+    Event.BOOK: "Parts can be counted only when the cell is idle, paused or in a fault.",
+    Event.HAND: "The arm can be moved by hand only when the cell is paused: pause it first.",
 }
 _BUSY = {
     "starting": "The cell is still starting.",
@@ -226,17 +253,23 @@ _BUSY = {
 }
 
 
+_ON_ITS_WAY = {
+    "paused_braking": "The arm is still coming to rest.",
+    "paused_moving": "The arm still moves by the operator's hand: wait, or stop it.",
+}
+
+
 def _refusal(state: str, event: Event) -> str:
     top = top_of(state)
     if event in _REFUSALS:
         return _REFUSALS[event]
     if event.value.startswith("resume_"):
-        if state == "paused_braking":
-            return "The arm is still coming to rest."
+        if top == "paused":
+            return _ON_ITS_WAY[state]
         return _BUSY["fault"] if top == "fault" else "The cell is not paused."
     if event in {Event.CANCEL, Event.PAUSE}:
-        if state == "paused_braking":
-            return "The arm is still coming to rest."
+        if state in _ON_ITS_WAY:
+            return _ON_ITS_WAY[state]
         return _BUSY["fault"] if top == "fault" else f"There is no job to {event.value}."
     return _BUSY.get(top, f"The cell is busy ({top}).")
 

@@ -16,7 +16,6 @@ import structlog
 
 from cellctl.errors import CellFault
 from cellctl.feeding.belt import Belt, BeltIdentity, BeltState
-from cellctl.feeding.inventory import Inventory
 from cellctl.messages import ConveyorData
 
 log = structlog.get_logger(__name__)
@@ -42,7 +41,8 @@ class BeltService:
     Args:
         belt: the conveyor.
         retries: how often bringing one part is tried again before it is a fault.
-        inventory: tells an empty belt from a jammed one.
+        parts_on_belt: how many parts the inventory counts there: tells an empty belt from a jammed
+            one.
         on_change: called in the event loop with the new view whenever it changes.
     """
 
@@ -50,12 +50,12 @@ class BeltService:
         self,
         belt: Belt,
         retries: int,
-        inventory: Inventory,
+        parts_on_belt: Callable[[], int],
         on_change: Callable[[ConveyorData], None],
     ) -> None:
         self._belt = belt
         self._retries = retries
-        self._inventory = inventory
+        self._parts_on_belt = parts_on_belt
         self._on_change = on_change
         self._bringing: asyncio.Task[None] | None = None
         """The newest request; done when the part lies there or could not be brought."""
@@ -196,7 +196,7 @@ class BeltService:
 
     def _judged(self, fault: CellFault) -> CellFault:
         """Nothing came: with parts on the belt, by the inventory, that is a jam."""
-        on_belt = self._inventory.counts.belt
+        on_belt = self._parts_on_belt()
         if fault.code != "belt_empty" or on_belt == 0:
             return fault
         return CellFault("belt_jam", f"{fault.detail} There should be {on_belt} on the belt.")

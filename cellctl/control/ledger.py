@@ -1,0 +1,74 @@
+"""What is believed of the cell: a fold over the acts that are settled.
+
+The running daemon and one that reads the journal after a crash use the same fold, so that they
+cannot believe different things.
+"""
+
+from __future__ import annotations
+
+from cellctl.assembly import Cell, Value
+from cellctl.control.acts import Act, ActKind
+from cellctl.feeding.inventory import Counts, InventoryError, Move
+
+
+class Ledger(Value):
+    """Where the parts are, and what the latch has."""
+
+    counts: Counts
+    standing: frozenset[Cell] = frozenset()
+    """Cells of the workspace that hold a part."""
+    lift_unchecked: bool = False
+    """Nobody has yet seen that the part in the gripper left the station."""
+    missed: bool = False
+    """The last pick left its part at the station; the latch is closed on nothing."""
+    belt_indexes: int | None = None
+    """The board's counter when the part in the gripper was picked."""
+
+    @property
+    def holding(self) -> bool:
+        """Whether the gripper holds a part."""
+        return self.counts.gripper == 1
+
+    def after(self, act: Act) -> Ledger:
+        """What is believed after an act that is settled.
+
+        Raises:
+            InventoryError: the act cannot have happened, by what is believed now.
+        """
+        counts = act.counts if act.counts is not None else self.counts.after_all(act.moves)
+        if act.kind is not ActKind.OWN and counts.total != self.counts.total:
+            raise InventoryError(
+                f"{act.kind.value}: {self.counts.total} parts would become {counts.total}.",
+                "Parts come and go only with `cellctl inventory own NUMBER`.",
+            )
+        standing = self._standing_after(act)
+        if len(standing) != counts.structure:
+            raise InventoryError(
+                f"{act.kind.value}: {counts.structure} parts are counted in the structure, "
+                f"and {len(standing)} cells hold one.",
+                "Count the parts and tell it with `cellctl inventory set`.",
+            )
+        picked = act.kind is ActKind.PICK and Move.PICK in act.moves
+        missed = Move.MISS in act.moves
+        carried = act.kind is ActKind.PLACE and act.outcome == "done"
+        return Ledger(
+            counts=counts,
+            standing=standing,
+            lift_unchecked=counts.gripper == 1
+            and (picked or (self.lift_unchecked and not carried)),
+            missed=missed or (self.missed and not picked and act.kind is not ActKind.HAND),
+            belt_indexes=act.belt_indexes if picked else self.belt_indexes,
+        )
+
+    def _standing_after(self, act: Act) -> frozenset[Cell]:
+        if Move.PLACE in act.moves:
+            assert act.cell is not None, "a part is placed at a cell"
+            if act.cell in self.standing:
+                raise InventoryError(f"Two parts would stand at {act.cell}.")
+            return self.standing | {act.cell}
+        if Move.LOSE_PLACED in act.moves:
+            assert act.cell is not None, "a part that is missing has a cell"
+            return self.standing - {act.cell}
+        if act.kind in {ActKind.CLEAR, ActKind.HAND_OVER} and act.outcome == "done":
+            return frozenset()
+        return self.standing

@@ -1,0 +1,148 @@
+"""What all physical acts use: checked movements, and a latch that moves only in place."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from cellctl.assembling.route import Route, RoutePlanner, Stance
+from cellctl.assembly import Cell
+from cellctl.control.recovery import STAYED_M
+from cellctl.errors import CellFault, PlanError
+
+if TYPE_CHECKING:
+    from cellctl.assembling.arm import Arm, ArmState
+    from cellctl.assembling.gripper import Gripper
+    from cellctl.clock import Clock
+    from cellctl.config import CellConfig
+
+_POLL_S = 0.02
+
+
+class ArmAndLatch:
+    """The arm with its gripper, moved by checked routes only.
+
+    Args:
+        config: the cell.
+        clock: cell time.
+        arm, gripper: the devices.
+    """
+
+    def __init__(self, config: CellConfig, clock: Clock, arm: Arm, gripper: Gripper) -> None:
+        self._config = config
+        self._clock = clock
+        self.arm = arm
+        self._gripper = gripper
+        self.routes = RoutePlanner(config)
+        self._opened = False
+        """The gripper has confirmed that it is open since it last closed."""
+
+    def state(self) -> ArmState:
+        """The newest state.
+
+        Raises:
+            CellFault: ``robot_lost``: there is none.
+        """
+        state = self.arm.state()
+        if state is None:
+            raise CellFault("robot_lost")
+        return state
+
+    def stance(self) -> Stance:
+        """Where the arm is.
+
+        Raises:
+            CellFault: ``robot_lost``.
+        """
+        state = self.state()
+        return Stance(state.tcp_pose, state.joints_rad)
+
+    async def travel(
+        self,
+        plan: Callable[[Stance, frozenset[Cell]], Route],
+        standing: frozenset[Cell],
+        began: Callable[[], None] = lambda: None,
+        speed_fraction: float = 1.0,
+    ) -> None:
+        """Plan a checked route from where the arm is, and follow it.
+
+        Args:
+            plan: makes the route from the arm's stance and what stands.
+            standing: cells that hold a part.
+            began: called when there is a way to go, before it begins.
+            speed_fraction: share of the speeds that the route has.
+
+        Raises:
+            CellFault: ``no_route``, or of the arm.
+        """
+        try:
+            route = await asyncio.to_thread(plan, self.stance(), standing)
+        except PlanError as error:
+            raise CellFault("no_route", error.message) from error
+        if not route.path:
+            return
+        began()
+        path = tuple(
+            corner.model_copy(update={"speed_m_s": corner.speed_m_s * speed_fraction})
+            for corner in route.path
+        )
+        await self.arm.follow(path, route.duration_s / speed_fraction)
+
+    async def check_wiring(self) -> float:
+        """Prove the gripper's lines with an empty latch; see ``Gripper.check_wiring``."""
+        self._opened = False
+        return await self._gripper.check_wiring()
+
+    async def wait_risen(self, move: asyncio.Task[None], height_m: float) -> None:
+        """Wait until the TCP is so far above the pick station, or the movement has ended.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        height_m += self.routes.pick_stance().tcp_pose[2]
+        while not move.done() and self.state().tcp_pose[2] < height_m:
+            await self._clock.sleep(_POLL_S)
+        if move.done():
+            await move
+
+    def expect_at(self, stance: Stance) -> None:
+        """The latch moves only where the arm was sent.
+
+        Raises:
+            CellFault: ``arm_moved``.
+        """
+        off_m = math.dist(self.state().tcp_pose[:3], stance.tcp_pose[:3])
+        if off_m > STAYED_M:
+            raise CellFault("arm_moved", f"It is {off_m * 1000:.0f} mm from where it was left.")
+
+    async def open(self) -> None:
+        """Open the latch.
+
+        Raises:
+            CellFault: of the gripper.
+        """
+        await self._gripper.unlatch()
+        self._opened = True
+
+    async def close(self) -> None:
+        """Close the latch, and see it confirmed.
+
+        Raises:
+            CellFault: of the gripper.
+        """
+        self._opened = False
+        await self._gripper.latch()
+
+    def is_told_open(self) -> bool:
+        """Whether the command line tells the latch to be open."""
+        return bool(self.state().digital_outputs >> self._config.gripper.command_output & 1)
+
+    def is_open(self) -> bool:
+        """Confirmed open, and still told to be: a stop of the robot may have dropped its output."""
+        return self._opened and self.is_told_open()
+
+    def latched(self) -> bool:
+        """Whether the status line confirms a closed latch."""
+        return bool(self.state().digital_inputs >> self._config.gripper.status_input & 1)

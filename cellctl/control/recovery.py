@@ -1,0 +1,246 @@
+"""What became of an act that was cut off, as far as the devices can tell.
+
+A death of the daemon, a pause or a fault can cut an act off at any instant. The robot's controller
+keeps its output lines and the latch finishes what it was told, so the gripper's status line, the
+arm's place, the station's sensor and the board's counter say how far it came in nearly every case.
+What they cannot say is a ``Doubt``, which an operator settles by looking.
+
+``settle`` is a pure function, so that every case can be listed and tested.
+"""
+
+from __future__ import annotations
+
+import math
+
+from cellctl.assembling.arm import ArmState
+from cellctl.assembly import Value
+from cellctl.config import CellConfig, Pose
+from cellctl.control.acts import Act, ActKind, Outcome
+from cellctl.control.ledger import Ledger
+from cellctl.feeding.belt import BeltState
+from cellctl.feeding.inventory import Move
+from cellctl.messages import PartPlace
+
+STAYED_M = 0.005
+"""The arm counts as where it was left within this distance."""
+LIFT_SHARE = 0.7
+"""Once the TCP has risen by this share of a voxel, the station's sensor no longer sees its part."""
+
+
+_NOT_CLOSED = "cut off before the latch closed"
+_NOT_OPENED = "cut off before the latch opened"
+
+
+class Evidence(Value):
+    """What the devices say while everything is at rest."""
+
+    latched: bool
+    """The status line confirms a closed latch."""
+    told_open: bool
+    """The command line tells the latch to be open."""
+    at_station: bool
+    """The TCP is where parts are picked."""
+    at_cell: bool
+    """The TCP is where the part of the act in question belongs."""
+    risen: bool
+    """The TCP is higher above the pick station than the sensor sees."""
+    part_at_station: bool
+    belt_indexes: int
+
+    @classmethod
+    def of(
+        cls, config: CellConfig, arm: ArmState, belt: BeltState, pick: Pose, place: Pose | None
+    ) -> Evidence:
+        """From the devices' states; ``place`` is the TCP pose at the cell, None without one."""
+        lines = config.gripper
+        return cls(
+            latched=bool(arm.digital_inputs >> lines.status_input & 1),
+            told_open=bool(arm.digital_outputs >> lines.command_output & 1),
+            at_station=math.dist(arm.tcp_pose[:3], pick[:3]) < STAYED_M,
+            at_cell=place is not None and math.dist(arm.tcp_pose[:3], place[:3]) < STAYED_M,
+            risen=arm.tcp_pose[2] - pick[2] > LIFT_SHARE * config.voxel.pitch_m,
+            part_at_station=belt.part_present,
+            belt_indexes=belt.indexes,
+        )
+
+
+class Doubt(Value):
+    """What nobody can know without looking."""
+
+    act_id: int | None
+    """The act that is left without an outcome until it is settled."""
+    kind: ActKind
+    sentence: str
+    """What is believed, and what to look for."""
+    believed: PartPlace
+    """What ``resume`` takes for granted."""
+
+
+class Settled(Value):
+    """What became of one act."""
+
+    act_id: int
+    outcome: Outcome
+    detail: str = ""
+    moves: tuple[Move, ...] = ()
+    belt_indexes: int | None = None
+
+
+class Settlement(Value):
+    """What became of everything that was cut off."""
+
+    acts: tuple[Settled, ...] = ()
+    missed: bool = False
+    """The part that counts as held was never lifted: it is at the station."""
+    lifted: bool = False
+    """The part in the gripper has left the station for certain."""
+    doubt: Doubt | None = None
+
+
+def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part: int) -> Settlement:
+    """Decide what can be decided.
+
+    Args:
+        ledger: what the settled acts say.
+        unsettled: acts without an outcome, oldest first.
+        evidence: what the devices say.
+        part: number of the part that was on its way, for people.
+    """
+    settled: list[Settled] = []
+    doubt: Doubt | None = None
+    held_after = ledger.holding
+    for act in unsettled:
+        result = _settle_act(ledger, act, evidence, part)
+        if isinstance(result, Doubt):
+            doubt = result
+            continue
+        settled.append(result)
+        held_after = (held_after or Move.PICK in result.moves) and Move.PLACE not in result.moves
+    if doubt is not None or not held_after:
+        return Settlement(acts=tuple(settled), doubt=doubt)
+    if not evidence.latched:
+        return Settlement(
+            acts=tuple(settled),
+            doubt=Doubt(
+                act_id=None,
+                kind=ActKind.PLACE,
+                sentence=f"Part {part} should be in the gripper, and the latch does not confirm it",
+                believed="gripper",
+            ),
+        )
+    if not ledger.lift_unchecked or not evidence.risen:
+        return Settlement(acts=tuple(settled))
+    if not evidence.part_at_station:
+        return Settlement(acts=tuple(settled), lifted=True)
+    return _lift(ledger, evidence, tuple(settled), part)
+
+
+def _lift(
+    ledger: Ledger, evidence: Evidence, settled: tuple[Settled, ...], part: int
+) -> Settlement:
+    """A part lies at the station: the one that should be in the gripper, or the next one."""
+    before, now = ledger.belt_indexes, evidence.belt_indexes
+    if before is not None and now == before:
+        return Settlement(acts=settled, missed=True)
+    if before is not None and now > before:
+        return Settlement(acts=settled, lifted=True)
+    # The board was switched off in between: its counter says nothing.
+    return Settlement(
+        acts=settled,
+        doubt=Doubt(
+            act_id=None,
+            kind=ActKind.PLACE,
+            sentence=f"Part {part} may be in the gripper, or still at the pick station",
+            believed="gripper",
+        ),
+    )
+
+
+def _settle_act(ledger: Ledger, act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
+    if act.kind is ActKind.PICK and not ledger.holding:
+        return _settle_pick(ledger, act, evidence, part)
+    if act.kind is ActKind.RELEASE and ledger.holding:
+        return _settle_release(act, evidence, part)
+    # Feeding and moving the arm bring no part from one place to another.
+    return Settled(act_id=act.act_id, outcome="interrupted", detail="cut off")
+
+
+def _settle_pick(ledger: Ledger, act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
+    if evidence.latched and evidence.at_station:
+        return Settled(
+            act_id=act.act_id,
+            outcome="done",
+            detail="cut off; the latch was confirmed at the station",
+            moves=(Move.PICK,),
+            belt_indexes=evidence.belt_indexes,
+        )
+    if ledger.missed or evidence.told_open or (not evidence.latched and evidence.part_at_station):
+        return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
+    if not evidence.latched and not evidence.at_station and not evidence.part_at_station:
+        sentence = f"Part {part} may be in the gripper, whose latch reports nothing"
+    elif evidence.latched:
+        sentence = f"Part {part} is in the gripper, it seems, but the arm was moved"
+    else:
+        return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
+    return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="gripper")
+
+
+def _settle_release(act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
+    if evidence.latched:
+        return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_OPENED)
+    if evidence.told_open and evidence.at_cell:
+        return Settled(
+            act_id=act.act_id,
+            outcome="done",
+            detail="cut off; the latch was told to open at the cell",
+            moves=(Move.PLACE,),
+        )
+    if evidence.told_open:
+        return Doubt(
+            act_id=act.act_id,
+            kind=act.kind,
+            sentence=f"Part {part} was let go, but the arm was moved",
+            believed="cell",
+        )
+    return Doubt(
+        act_id=act.act_id,
+        kind=act.kind,
+        sentence=f"Part {part} may be in the gripper, or stand at its cell",
+        believed="gripper",
+    )
+
+
+def moves_to(doubt: Doubt, part: PartPlace) -> tuple[Outcome, tuple[Move, ...]]:
+    """What an operator's answer means for the inventory.
+
+    Args:
+        doubt: what is in doubt; a part that only counts as held has the kind ``place``.
+        part: where the part is, by the operator.
+
+    Returns:
+        The outcome of the act in doubt, and what became of the part.
+
+    Raises:
+        KeyError: never; every pair has an answer.
+    """
+    if doubt.kind is ActKind.PICK:  # the part counts as on the belt
+        after_pick = {
+            "gripper": (),
+            "cell": (Move.PLACE,),
+            "stock": (Move.TAKE_OUT,),
+            "scrap": (Move.SCRAP_GRIPPED,),
+            "unknown": (Move.LOSE_GRIPPED,),
+        }
+        if part == "station":
+            return "failed", ()
+        return "done", (Move.PICK, *after_pick[part])
+    # The part counts as in the gripper.
+    held: dict[PartPlace, tuple[Outcome, tuple[Move, ...]]] = {
+        "gripper": ("failed", ()),
+        "cell": ("done", (Move.PLACE,)),
+        "station": ("failed", (Move.MISS,)),
+        "stock": ("failed", (Move.TAKE_OUT,)),
+        "scrap": ("failed", (Move.SCRAP_GRIPPED,)),
+        "unknown": ("failed", (Move.LOSE_GRIPPED,)),
+    }
+    return held[part]

@@ -1,0 +1,161 @@
+"""The stages from words to a plan that somebody has said yes to. Nothing moves in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import structlog
+
+from cellctl.assembly import BuildPlan, Intent, Request
+from cellctl.clock import Clock
+from cellctl.config import CellConfig
+from cellctl.control.audio import audio_file
+from cellctl.control.controller import Post
+from cellctl.control.designing import design, plan_build, plan_file
+from cellctl.control.job import Job, Phase
+from cellctl.control.states import Event
+from cellctl.errors import NoObjectError
+from cellctl.listening.hearing import Hearing
+from cellctl.listening.request import read_request
+from cellctl.messages import SpeechData, StatusData
+from cellctl.worker import WorkerProcess
+
+log = structlog.get_logger(__name__)
+
+
+class Wishes:
+    """Turns what a person wants into a plan.
+
+    Args:
+        config: the cell.
+        clock: cell time.
+        hearing: the recogniser.
+        designer: the process that designs and plans.
+        show: publishes what was heard.
+        parts_available: how many parts an object may have.
+    """
+
+    def __init__(
+        self,
+        config: CellConfig,
+        clock: Clock,
+        *,
+        hearing: Hearing,
+        designer: WorkerProcess,
+        show: Callable[[StatusData], None],
+        parts_available: Callable[[], int],
+    ) -> None:
+        self._config = config
+        self._clock = clock
+        self._hearing = hearing
+        self._designer = designer
+        self._show = show
+        self._parts_available = parts_available
+        self.recording: tuple[str, bytes] | None = None
+        """Name and content of the recording to listen to; forgotten when it is heard."""
+        self.recogniser = "not loaded"
+
+    async def hear(self, job: Job, post: Post) -> None:
+        """Listen to the recording."""
+        assert self.recording is not None
+        name, wav = self.recording
+        self.recogniser = await self._hearing.warm_up()
+        post(Event.SPEECH_STARTED)
+        log.info("listening", name=name, recogniser=self.recogniser)
+        with audio_file(wav) as path:
+            utterance = await self._hearing.hear_wav(path)
+        self.recording = None
+        self._show(SpeechData(utterance=utterance))
+        if not utterance.text:
+            raise NoObjectError("I heard nothing that I could understand.", "Please say it again.")
+
+        def keep() -> None:
+            job.utterance = utterance
+
+        post(Event.HEARD, keep)
+
+    async def interpret(self, job: Job, post: Post) -> None:
+        """Find out what the words ask for."""
+        assert job.utterance is not None
+        request = read_request(job.utterance.text, self._config.voxel.pitch_m)
+        self._show(SpeechData(utterance=job.utterance, request=request))
+        log.info("understood", intent=request.intent, phrase=request.phrase)
+        job.request = request
+        if request.intent is not Intent.DESIGN:
+            raise NoObjectError(_restate(request))
+
+        def keep() -> None:
+            job.phase = Phase.GENERATING
+
+        post(Event.UNDERSTOOD, keep)
+
+    async def generate(self, job: Job, post: Post) -> None:
+        """Design the shape."""
+        assert job.request is not None
+        generated = await self._designer.call(
+            design, job.request, self._config, timeout_s=self._config.planning.timeout_s
+        )
+
+        def keep() -> None:
+            job.generated = generated
+            job.phase = Phase.VALIDATING
+
+        post(Event.DESIGNED, keep)
+
+    async def plan(self, job: Job, post: Post) -> None:
+        """Make a plan that this cell can build."""
+        events = {"checking": Event.DISCRETISED, "sequencing": Event.CHECKED}
+        reached: set[str] = set()
+
+        def progress(name: str) -> None:
+            if name in events and name not in reached:
+                reached.add(name)
+                post(events[name])
+
+        plan = await self._planned(job, progress)
+        for name in events:
+            progress(name)
+
+        def keep() -> None:
+            job.plan = plan
+            job.phase = Phase.CONFIRMING
+            log.info("planned", title=plan.title, parts=plan.parts, plan=plan.plan_id)
+
+        def keep_and_go() -> None:
+            keep()
+            job.phase = Phase.BUILDING
+
+        if self._config.policy.confirmation == "waived":
+            log.info("confirmation waived by policy: building without asking")
+            post(Event.PLANNED_WAIVED, keep_and_go)
+        else:
+            post(Event.PLANNED, keep)
+
+    async def _planned(self, job: Job, progress: Callable[[str], None]) -> BuildPlan:
+        call = self._designer.call
+        timeout_s = self._config.planning.timeout_s
+        available = self._parts_available()
+        if job.generated is not None:
+            return await call(
+                plan_build, job.generated, self._config, available,
+                timeout_s=timeout_s, progress=progress,
+            )  # fmt: skip
+        assert job.upload is not None
+        name, content = job.upload_name, job.upload
+        return await call(
+            plan_file, name, content, self._config, available,
+            timeout_s=timeout_s, progress=progress,
+        )  # fmt: skip
+
+    async def confirm(self, job: Job, post: Post) -> None:
+        """Wait for a yes; silence means no."""
+        await self._clock.sleep(self._config.policy.confirmation_timeout_s)
+
+        def silence() -> None:
+            job.message = "Nobody said yes, so I shall not build it."
+
+        post(Event.DECLINE, silence)
+
+
+def _restate(request: Request) -> str:
+    return request.reason or "That is no physical object. Please ask for a thing to build."
