@@ -17,6 +17,7 @@ from cellctl import __version__
 from cellctl.cli import (
     config_commands,
     demo_command,
+    ears_commands,
     job_commands,
     plan_command,
     run_command,
@@ -55,6 +56,7 @@ for module in (
     plan_command,
     job_commands,
     status_commands,
+    ears_commands,
     sim_commands,
     config_commands,
 ):

@@ -65,7 +65,10 @@ def _show(console: Console, snapshot: Snapshot) -> None:
     arm = f"{snapshot.arm.safety}, {'moving' if snapshot.arm.moving else 'at rest'}"
     table.add_row("[bold]robot[/]", arm if snapshot.arm.connected else "not connected")
     table.add_row("[bold]gripper[/]", f"holds {snapshot.gripper.holding}")
-    table.add_row("[bold]ears[/]", snapshot.recogniser)
+    ears = f"{snapshot.ears.state} {snapshot.ears.device}".strip()
+    table.add_row("[bold]ears[/]", f"{ears}; recogniser: {snapshot.recogniser}")
+    if snapshot.ears.sentence:
+        table.add_row("", snapshot.ears.sentence)
     blocked_ms = snapshot.health.loop_blocked_p99_s * 1000
     table.add_row("[bold]daemon[/]", f"control loop blocked for {blocked_ms:.1f} ms at most (p99)")
     console.print(table)
