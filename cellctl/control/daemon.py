@@ -220,6 +220,7 @@ class Daemon:
                 ("live ears", self.ears.run(self.desk.take)),
                 ("warm-up", self._warm_up()),
                 ("pruning", self._prune()),
+                ("service manager", self.service.run()),
             ):
                 task = asyncio.create_task(work, name=name)
                 task.add_done_callback(watch)
