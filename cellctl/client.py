@@ -9,6 +9,7 @@ import os
 import secrets
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -17,8 +18,9 @@ from pydantic import ValidationError
 
 from cellctl.assembly import Role
 from cellctl.config import CellConfig
-from cellctl.endpoints import socket_file
+from cellctl.endpoints import is_ipv6, is_wide, reachable, socket_file
 from cellctl.errors import CellctlError, RefusedError, UsageError
+from cellctl.keys import client_key
 from cellctl.messages import (
     MAX_ATTACHMENT,
     MAX_TEXT,
@@ -48,7 +50,11 @@ class CellClient:
         door: end point to ask at; the visitor's or the operator's, which decides what is allowed.
         status: end point of the status socket.
         timeout_s: how long to wait for a reply (wall time).
+        key: the client's key file, for end points that are locked; used at both.
         max_attachment: largest file that is taken at that door, in bytes.
+
+    Raises:
+        ConfigError: the key file is not there, is damaged, or can be read by others.
     """
 
     def __init__(
@@ -56,8 +62,11 @@ class CellClient:
         door: str,
         status: str,
         timeout_s: float = 10.0,
+        key: Path | None = None,
         max_attachment: int = MAX_ATTACHMENT,
     ) -> None:
+        self._key = client_key(key) if key is not None else None
+        self._locked = {door, status} if key is not None else set()
         self._context = zmq.Context()
         self._context.setsockopt(zmq.LINGER, 0)
         self._door = door
@@ -68,7 +77,11 @@ class CellClient:
 
     @classmethod
     def for_role(
-        cls, config: CellConfig, role: Role = Role.OPERATOR, timeout_s: float = 10.0
+        cls,
+        config: CellConfig,
+        role: Role = Role.OPERATOR,
+        timeout_s: float = 10.0,
+        key: Path | None = None,
     ) -> Self:
         """A client that knocks at that role's door of the cell.
 
@@ -76,9 +89,18 @@ class CellClient:
             config: the cell's configuration.
             role: whose door; who may use it, the cell decides.
             timeout_s: how long to wait for a reply (wall time).
+            key: the client's key file; used at end points wider than ipc and loopback only.
+
+        Raises:
+            ConfigError: the key file is needed and is not there, is damaged, or can be read by
+                others.
         """
+        door, status = config.bus.door(role), config.bus.status
+        wide = {reachable(endpoint) for endpoint in (door, status) if is_wide(endpoint)}
         limit = attachment_limit(role, config.hearing.max_audio_s)
-        return cls(config.bus.door(role), config.bus.status, timeout_s, limit)
+        client = cls(reachable(door), reachable(status), timeout_s, key if wide else None, limit)
+        client._locked = wide
+        return client
 
     def __enter__(self) -> Self:
         return self
@@ -95,12 +117,20 @@ class CellClient:
         """Close the sockets."""
         self._context.destroy(linger=0)
 
-    def request(self, body: Command, attachment: bytes | None = None) -> ControlReply:
+    def request(
+        self, body: Command, attachment: bytes | None = None, timeout_s: float | None = None
+    ) -> ControlReply:
         """Send one request and wait for its reply.
+
+        Args:
+            body: what to ask.
+            attachment: content of the file that goes with it.
+            timeout_s: longest wait for the reply (wall time); else the client's own.
 
         Raises:
             NoDaemonError: no reply within the time-out.
-            RefusedError: the daemon does not allow it now, or not to this role, or is too busy.
+            RefusedError: the daemon does not allow it now, not at this door or not with this key,
+                or is too busy.
             UsageError: the daemon could not make sense of it.
         """
         if attachment is not None and len(attachment) > self._max_attachment:
@@ -113,19 +143,15 @@ class CellClient:
         frames = [request.model_dump_json().encode()]
         if attachment is not None:
             frames.append(attachment)
-        socket: zmq.Socket[bytes] = self._context.socket(zmq.DEALER)
+        socket = self._connected(zmq.DEALER, self._door)
         try:
-            socket.connect(self._door)
             socket.send_multipart(frames)
-            if not socket.poll(int(self._timeout_s * 1000)):
-                raise NoDaemonError(
-                    f"No cell answers on {self._door}.",
-                    "Start it with `cellctl run`, or name its configuration with --config.",
-                )
+            self._await_reply(socket, self._timeout_s if timeout_s is None else timeout_s)
             reply = ControlReply.model_validate_json(socket.recv_multipart()[-1])
         except ValidationError as error:
             raise CellctlError(f"{self._door} sent an unreadable reply.") from error
         finally:
+            socket.disable_monitor()
             socket.close()
         if reply.error is not None:
             kind = RefusedError if reply.error.code in {"refused", "busy"} else UsageError
@@ -133,6 +159,58 @@ class CellClient:
                 kind = CellctlError  # type: ignore[assignment]
             raise kind(reply.error.message, reply.error.hint)
         return reply
+
+    def _connected(self, kind: int, endpoint: str) -> zmq.Socket[bytes]:
+        if endpoint in self._locked and self._key is None:
+            raise UsageError(
+                f"{endpoint} takes clients with a key only.",
+                "Name your key file with --key or $CELLCTL_KEY; the cell's operator makes one with "
+                "`cellctl keys make --client NAME`.",
+            )
+        socket: zmq.Socket[bytes] = self._context.socket(kind)
+        if endpoint in self._locked and self._key is not None:
+            socket.curve_secretkey = self._key.own.secret
+            socket.curve_publickey = self._key.own.public
+            socket.curve_serverkey = self._key.server
+        socket.setsockopt(zmq.IPV6, is_ipv6(endpoint))
+        if kind == zmq.SUB:
+            socket.setsockopt(zmq.RCVHWM, 10_000)
+            socket.subscribe(b"")
+        try:
+            socket.connect(endpoint)
+        except zmq.ZMQError as error:
+            socket.close()
+            raise UsageError(
+                f"{endpoint} cannot be connected to: {error.strerror}.",
+                "Name the cell's address, not that of an interface.",
+            ) from error
+        return socket
+
+    def _await_reply(self, socket: zmq.Socket[bytes], timeout_s: float) -> None:
+        """Wait for a reply, or for the cell to turn the key down."""
+        poller = zmq.Poller()
+        poller.register(socket, zmq.POLLIN)
+        locked = self._door in self._locked
+        if locked:
+            turned_down = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
+            poller.register(turned_down, zmq.POLLIN)
+        events = dict(poller.poll(int(timeout_s * 1000)))
+        if socket in events:
+            return
+        if events:
+            raise RefusedError(
+                f"{self._door} does not take this key.",
+                "It was revoked, or made for another door; the cell's operator can make another.",
+            )
+        if locked:
+            raise NoDaemonError(
+                f"No cell answers on {self._door}, or none that this key is for.",
+                "See that it runs there, and that the key was made since it has its own.",
+            )
+        raise NoDaemonError(
+            f"No cell answers on {self._door}.",
+            "Start it with `cellctl run`, or name its configuration with --config.",
+        )
 
     def _refuse_if_closed(self) -> None:
         """A door that this user may not open would look like a daemon that does not answer."""
@@ -182,11 +260,7 @@ class CellClient:
     def subscribe(self) -> None:
         """Begin to receive status messages; ``messages`` does it too."""
         if self._subscription is None:
-            socket: zmq.Socket[bytes] = self._context.socket(zmq.SUB)
-            socket.setsockopt(zmq.RCVHWM, 10_000)
-            socket.connect(self._status)
-            socket.subscribe(b"")
-            self._subscription = socket
+            self._subscription = self._connected(zmq.SUB, self._status)
 
     def messages(self, timeout_s: float) -> Iterator[StatusMessage]:
         """Status messages as they come, until none came for ``timeout_s`` (wall time)."""

@@ -18,7 +18,10 @@ from cellctl.cli import (
     config_commands,
     demo_command,
     ears_commands,
+    hand_commands,
     job_commands,
+    keys_commands,
+    parts_commands,
     plan_command,
     run_command,
     sim_commands,
@@ -55,10 +58,13 @@ for module in (
     demo_command,
     plan_command,
     job_commands,
+    parts_commands,
+    hand_commands,
     status_commands,
     ears_commands,
     sim_commands,
     config_commands,
+    keys_commands,
 ):
     module.register(app)
 

@@ -10,7 +10,7 @@ import typer
 
 from cellctl.assembly import Role
 from cellctl.cli.following import await_question, follow_job
-from cellctl.cli.options import ConfigOption, RoleOption, client
+from cellctl.cli.options import ConfigOption, KeyOption, RoleOption, client
 from cellctl.client import CellClient
 from cellctl.errors import ExitStatus, UsageError
 from cellctl.messages import ControlReply
@@ -25,7 +25,7 @@ _PLAIN = {
     "stop": "Brake now; the part stays in the gripper. This is no emergency stop.",
     "cancel": "End the job; what stands stays.",
     "reset": "Clear a fault; the cell is paused then, and nothing moves.",
-    "clear": "Declare that nothing stands in the workspace any more.",
+    "clear": "Tell that what stood was taken apart; its parts are in the stock again.",
 }
 
 
@@ -54,11 +54,12 @@ def register(app: typer.Typer) -> None:
         wait: WaitOption = False,
         config: ConfigOption = None,
         role: RoleOption = Role.VISITOR,
+        key: KeyOption = None,
     ) -> None:
         """Ask the cell for something, in words or with a recording."""
         if (text is None) == (wav is None):
             raise UsageError("Give either TEXT or --wav FILE.")
-        with client(config, role) as cell:
+        with client(config, role, key) as cell:
             cell.subscribe()
             if wav is not None:
                 reply = cell.hear(wav.name, read_file(wav))
@@ -74,24 +75,29 @@ def register(app: typer.Typer) -> None:
         wait: WaitOption = False,
         config: ConfigOption = None,
         role: RoleOption = Role.OPERATOR,
+        key: KeyOption = None,
     ) -> None:
         """Build a mesh or a plan from a file."""
-        with client(config, role) as cell:
+        with client(config, role, key) as cell:
             cell.subscribe()
             reply = cell.build(file.name, read_file(file))
             _tell(reply)
             raise typer.Exit(int(_see(cell, reply, wait)))
 
     @app.command()
-    def yes(config: ConfigOption = None, role: RoleOption = Role.VISITOR) -> None:
+    def yes(
+        config: ConfigOption = None, role: RoleOption = Role.VISITOR, key: KeyOption = None
+    ) -> None:
         """Answer "Shall I build it?" with yes."""
-        with client(config, role) as cell:
+        with client(config, role, key) as cell:
             _tell(cell.confirm(True))
 
     @app.command()
-    def no(config: ConfigOption = None, role: RoleOption = Role.VISITOR) -> None:
+    def no(
+        config: ConfigOption = None, role: RoleOption = Role.VISITOR, key: KeyOption = None
+    ) -> None:
         """Answer "Shall I build it?" with no."""
-        with client(config, role) as cell:
+        with client(config, role, key) as cell:
             _tell(cell.confirm(False))
 
     for name, text in _PLAIN.items():
@@ -99,8 +105,10 @@ def register(app: typer.Typer) -> None:
 
 
 def _plain(name: str) -> Callable[..., None]:
-    def command(config: ConfigOption = None, role: RoleOption = Role.OPERATOR) -> None:
-        with client(config, role) as cell:
+    def command(
+        config: ConfigOption = None, role: RoleOption = Role.OPERATOR, key: KeyOption = None
+    ) -> None:
+        with client(config, role, key) as cell:
             _tell(cell.command(name))
 
     return command
