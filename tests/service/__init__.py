@@ -1,0 +1,1 @@
+"""The service: what the service manager is told, its units, installing, keeping a copy."""
