@@ -39,6 +39,15 @@ def is_wide(endpoint: str) -> bool:
         return True
 
 
+def reachable(endpoint: str) -> str:
+    """The end point to connect to, where the one to bind to stands for all addresses."""
+    found = _TCP.fullmatch(endpoint)
+    own = {"*": "127.0.0.1", "0.0.0.0": "127.0.0.1", "[::]": "[::1]", "::": "[::1]"}  # noqa: S104
+    if found is None or found["host"] not in own:
+        return endpoint
+    return f"tcp://{own[found['host']]}:{found['port']}"
+
+
 def is_ipv6(endpoint: str) -> bool:
     """Whether its address is an IPv6 address, which ZeroMQ takes on demand only."""
     found = _TCP.fullmatch(endpoint)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cellctl.config import load_config
+from cellctl.keys import require_server_key
 
 
 def register(app: typer.Typer) -> None:
@@ -19,6 +20,7 @@ def register(app: typer.Typer) -> None:
     def check(file: Annotated[Path, typer.Argument(help="A cell.toml.")]) -> None:
         """Say whether a configuration is right, and what is wrong with it if not."""
         config = load_config(file)
+        require_server_key(config.bus.endpoints, Path(config.bus.keys))
         nx, ny, nz = config.grid
         typer.echo(
             f"{file}: right. {config.cell.name} ({config.cell.kind}), {config.robot.model}, "

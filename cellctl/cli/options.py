@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,8 @@ from cellctl.assembly import Role
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, find_config, load_config
 
+KEY_VARIABLE = "CELLCTL_KEY"
+
 ConfigOption = Annotated[
     Path | None,
     typer.Option(
@@ -19,6 +22,10 @@ ConfigOption = Annotated[
     ),
 ]
 RoleOption = Annotated[Role, typer.Option("--role", help="Whose door of the cell to knock at.")]
+KeyOption = Annotated[
+    Path | None,
+    typer.Option("--key", help="Your key file, for a cell that is elsewhere; else $CELLCTL_KEY."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for other programs.")]
 
 
@@ -27,6 +34,8 @@ def configuration(path: Path | None) -> CellConfig:
     return load_config(find_config(path))
 
 
-def client(path: Path | None, role: Role = Role.OPERATOR) -> CellClient:
+def client(path: Path | None, role: Role = Role.OPERATOR, key: Path | None = None) -> CellClient:
     """A client for the daemon of that cell, at that role's door."""
-    return CellClient.for_role(configuration(path), role)
+    if key is None and (named := os.environ.get(KEY_VARIABLE)):
+        key = Path(named)
+    return CellClient.for_role(configuration(path), role, key=key)

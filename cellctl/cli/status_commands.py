@@ -8,7 +8,7 @@ from rich.table import Table
 
 from cellctl.assembly import Role
 from cellctl.cli.following import follower
-from cellctl.cli.options import ConfigOption, JsonOption, client
+from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, client
 from cellctl.errors import CellctlError
 from cellctl.messages import Snapshot
 
@@ -19,9 +19,11 @@ def register(app: typer.Typer) -> None:
     """Add the commands."""
 
     @app.command()
-    def status(config: ConfigOption = None, json: JsonOption = False) -> None:
+    def status(
+        config: ConfigOption = None, json: JsonOption = False, key: KeyOption = None
+    ) -> None:
         """Show what the cell is doing, once."""
-        with client(config, Role.VISITOR) as cell:
+        with client(config, Role.VISITOR, key) as cell:
             snapshot = cell.snapshot()
         if json:
             typer.echo(snapshot.model_dump_json(indent=2))
@@ -29,10 +31,10 @@ def register(app: typer.Typer) -> None:
             _show(Console(highlight=False), snapshot)
 
     @app.command()
-    def watch(config: ConfigOption = None, json: JsonOption = False) -> None:
+    def watch(config: ConfigOption = None, json: JsonOption = False, key: KeyOption = None) -> None:
         """Show what the cell does, as it happens, until Ctrl-C."""
         console = Console(highlight=False)
-        with client(config, Role.VISITOR) as cell:
+        with client(config, Role.VISITOR, key) as cell:
             cell.subscribe()
             if json:
                 for message in cell.messages(_SILENCE_S):

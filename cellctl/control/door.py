@@ -47,11 +47,20 @@ class Door:
         role: of everyone who asks here.
         socket: not yet bound; it gets its limits here and closes with the door.
         attachment_limit: largest file of a request, in bytes.
+        admits: whether the client with a public key may still use the door; None for a door
+            without keys.
     """
 
-    def __init__(self, role: Role, socket: zmq.asyncio.Socket, attachment_limit: int) -> None:
+    def __init__(
+        self,
+        role: Role,
+        socket: zmq.asyncio.Socket,
+        attachment_limit: int,
+        admits: Callable[[str, Role], bool] | None = None,
+    ) -> None:
         self.role = role
         self.socket = socket
+        self._admits = admits
         self._attachment_limit = attachment_limit
         self._pending: set[asyncio.Task[None]] = set()
         self._under_way: Counter[bytes] = Counter()
@@ -64,7 +73,7 @@ class Door:
         """Answer requests until cancelled; each is handled in a task of its own."""
         try:
             while True:
-                frames: list[bytes] = await self.socket.recv_multipart()
+                frames: list[zmq.Frame] = await self.socket.recv_multipart(copy=False)
                 await self._take(frames, handler, state)
                 # Receiving what already waits does not yield; a flood would stop everything else.
                 await asyncio.sleep(0)
@@ -73,10 +82,19 @@ class Door:
                 task.cancel()
             await asyncio.gather(*self._pending, return_exceptions=True)
 
-    async def _take(self, frames: list[bytes], handler: Handler, state: Callable[[], str]) -> None:
+    async def _take(
+        self, frames: list[zmq.Frame], handler: Handler, state: Callable[[], str]
+    ) -> None:
         """Begin to answer one request, or refuse it at once."""
-        client, body = frames[0], frames[1:]
-        envelope = [client]
+        connection, *body = [frame.bytes for frame in frames]
+        client = connection
+        if self._admits is not None:
+            # A connection outlives its key: who was revoked since is not heard any more.
+            key = str(frames[-1].get("User-Id"))
+            if not self._admits(key, self.role):
+                return
+            client = key.encode()
+        envelope = [connection]
         if body and not body[0]:
             # A REQ socket puts an empty frame before its message, and wants one before the reply.
             envelope.append(body.pop(0))
