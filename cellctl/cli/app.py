@@ -19,7 +19,9 @@ from cellctl.cli import (
     demo_command,
     ears_commands,
     hand_commands,
+    history_commands,
     job_commands,
+    journal_commands,
     keys_commands,
     parts_commands,
     plan_command,
@@ -61,9 +63,11 @@ for module in (
     parts_commands,
     hand_commands,
     status_commands,
+    history_commands,
     ears_commands,
     sim_commands,
     config_commands,
+    journal_commands,
     keys_commands,
 ):
     module.register(app)

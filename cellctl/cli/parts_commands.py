@@ -8,7 +8,8 @@ from typing import Annotated, get_args
 import typer
 
 from cellctl.assembly import Cell, Role
-from cellctl.cli.options import ConfigOption, KeyOption, RoleOption, client
+from cellctl.cli.inventory_view import show_inventory
+from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, RoleOption, client
 from cellctl.errors import UsageError
 from cellctl.messages import (
     Command,
@@ -78,8 +79,19 @@ def register(app: typer.Typer) -> None:
         """Tell that parts of the structure are gone; a build that goes on places them again."""
         tell(MissingCommand(cells=tuple(_cell(text) for text in cells)), config, key)
 
-    group = typer.Typer(help="Where the parts are, and corrections of it.", no_args_is_help=True)
+    group = typer.Typer(help="Where the parts are, and corrections of it.")
     app.add_typer(group, name="inventory")
+
+    @group.callback(invoke_without_command=True)
+    def inventory(
+        context: typer.Context,
+        config: ConfigOption = None,
+        json: JsonOption = False,
+        key: KeyOption = None,
+    ) -> None:
+        """Show where the parts are, or correct it."""
+        if context.invoked_subcommand is None:
+            show_inventory(config, key, json)
 
     @group.command("set")
     def count(

@@ -106,7 +106,7 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     try:
         return _configured(f"{where}?mode=ro")
     except sqlite3.OperationalError:
-        if _beside(path, "-wal").exists():
+        if beside(path, "-wal").exists():
             raise
         return _configured(f"{where}?mode=ro&immutable=1")
 
@@ -173,7 +173,7 @@ def migrate(
     (version,) = db.execute("PRAGMA user_version").fetchone()
     if version >= len(migrations):
         return
-    copy = _beside(path, f".before-{len(migrations)}")
+    copy = beside(path, f".before-{len(migrations)}")
     copy_journal(db, copy)
     _apply(db, migrations, version)
     log.info("journal migrated", before=version, after=len(migrations), copy=str(copy))
@@ -217,6 +217,7 @@ def create(
     settled_order: int = 0,
     act_id: int = 0,
     migrations: tuple[tuple[str, ...], ...] = MIGRATIONS,
+    fill: Callable[[sqlite3.Connection], None] | None = None,
 ) -> None:
     """Make a journal; the file is there with all that it needs, or not at all.
 
@@ -227,12 +228,13 @@ def create(
         settled_order: of the newest act that the ledger knows of.
         act_id: the highest one that was used before.
         migrations: the tables.
+        fill: writes what else shall be in it, in a transaction of its own.
 
     Raises:
         sqlite3.Error, OSError: it cannot be done.
     """
-    draft = _beside(path, ".new")
-    for leftover in (draft, _beside(draft, "-wal"), _beside(draft, "-shm")):
+    draft = beside(path, ".new")
+    for leftover in (draft, beside(draft, "-wal"), beside(draft, "-shm")):
         leftover.unlink(missing_ok=True)
     draft.touch(mode=0o640)
     try:
@@ -243,6 +245,10 @@ def create(
             _apply(db, migrations, 0)
             row = checkpoint_row(settled_order, act_id, made_at, ledger)
             db.execute("INSERT INTO checkpoints VALUES (?, ?, ?, ?, ?)", row)
+            if fill is not None:
+                db.execute("BEGIN")
+                fill(db)
+                db.execute("COMMIT")
         give_to_owner_of_folder(draft)
         _sync(draft)
         draft.rename(path)
@@ -258,7 +264,7 @@ def copy_journal(db: sqlite3.Connection, target: Path) -> None:
     Raises:
         sqlite3.Error, OSError: it cannot be done; an older copy is still there.
     """
-    draft = _beside(target, ".new")
+    draft = beside(target, ".new")
     draft.unlink(missing_ok=True)
     draft.touch(mode=0o640)
     try:
@@ -273,7 +279,8 @@ def copy_journal(db: sqlite3.Connection, target: Path) -> None:
         raise
 
 
-def _beside(path: Path, ending: str) -> Path:
+def beside(path: Path, ending: str) -> Path:
+    """The file of that name with an ending after it."""
     return path.with_name(path.name + ending)
 
 

@@ -30,6 +30,7 @@ from cellctl.control.journal_rows import (
     plan_file,
 )
 from cellctl.control.journal_schema import (
+    beside,
     check,
     connect,
     create,
@@ -123,8 +124,8 @@ class JournalWriter:
             return read_contents(db, recent)
 
     def _make(self, first_counts: Counts, now: datetime) -> None:
-        orphan = self._path.with_name(self._path.name + "-wal")
-        if orphan.exists():
+        orphan = beside(self._path, "-wal")
+        if orphan.exists() and orphan.stat().st_size:
             raise CellFault(
                 "journal_damaged", f"{self._path} is gone, and {orphan.name} is still there."
             )
@@ -221,8 +222,9 @@ class JournalWriter:
             return bool(0 < free < before)
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file; another one may be there when it is opened again."""
         self._disconnect()
+        self._file = None
 
     def _connected(self) -> sqlite3.Connection:
         """The connection, opened again after a failure, to the file that is at the path.
