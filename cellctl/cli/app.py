@@ -15,6 +15,8 @@ from rich.text import Text
 
 from cellctl import __version__
 from cellctl.cli import (
+    backup_commands,
+    boards_command,
     config_commands,
     demo_command,
     ears_commands,
@@ -23,9 +25,11 @@ from cellctl.cli import (
     job_commands,
     journal_commands,
     keys_commands,
+    models_commands,
     parts_commands,
     plan_command,
     run_command,
+    screen_command,
     sim_commands,
     status_commands,
 )
@@ -69,6 +73,10 @@ for module in (
     config_commands,
     journal_commands,
     keys_commands,
+    backup_commands,
+    models_commands,
+    boards_command,
+    screen_command,
 ):
     module.register(app)
 
