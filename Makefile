@@ -2,14 +2,14 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test soak lint format docs lock setup setup-test clean
+.PHONY: help demo test soak lint format docs lock setup setup-test install uninstall clean
 
 BIN := .venv/bin
 # Where matplotlib keeps its list of fonts, whatever the home directory is like.
 export MPLCONFIGDIR := $(CURDIR)/.venv/matplotlib
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
 demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture and a report in out/
 	@mkdir -p out
@@ -42,6 +42,12 @@ setup: ## Install what is needed, if anything is
 
 setup-test:
 	@scripts/setup --test
+
+install: ## As root: install or upgrade the service; PREFIX=/opt/cellctl, DESTDIR= for packages
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/install
+
+uninstall: ## As root: remove the service; PURGE=1 removes configuration and journal too
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/uninstall $(if $(PURGE),--purge)
 
 clean: ## Remove everything that was made here, the environment included
 	rm -rf .venv out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache \
