@@ -43,7 +43,7 @@ class World:
     """Where every part is, and what is held against the cell.
 
     Args:
-        config: the cell; an emulated one starts with a full belt and an empty stock.
+        config: the cell; an emulated one starts with a full belt and the rest in the stock.
         seed: where all chance comes from; the same calls then give the same world.
         imperfections: how far the belt and its parts are from perfect.
         on_violation: called with each violation as it happens.
@@ -73,7 +73,7 @@ class World:
         self._tcp: Floats | None = None
         """TCP in the workspace frame; None until the arm first told where it is."""
 
-        self._stock = list(range(config.feeder.capacity_parts))
+        self._stock = list(range(config.limits.inventory_parts))
         self._row = BeltRow(self._pitch_m, random.Random(seed))  # noqa: S311 - repeatable chance
         self._held: int | None = None
         self._placed: dict[Cell, int] = {}

@@ -95,7 +95,8 @@ def test_nothing_leads_from_a_fault_to_motion_without_a_reset(state: str) -> Non
 @pytest.mark.parametrize("state", leaves_of("fault", "paused"))
 def test_nothing_leads_to_motion_without_a_persons_command(state: str) -> None:
     alone = reachable(state, lambda _state, event: event not in COMMANDS)
-    assert not alone & MOTION_STATES
+    # A movement by hand was commanded already, and leads to no other.
+    assert not (alone - {state}) & MOTION_STATES
 
 
 @pytest.mark.parametrize("state", LEAVES)
@@ -153,9 +154,39 @@ def test_only_a_resume_leads_out_of_a_pause_or_a_stop() -> None:
     assert left == {event for event in Event if event.value.startswith("resume_")}
 
 
-def test_the_workspace_is_declared_clear_only_between_jobs() -> None:
-    accepting = {state for state in LEAVES if DECISIONS[state, Event.CLEAR].verdict == "accepted"}
-    assert accepting == {"idle"}
+def test_what_people_say_of_parts_is_taken_at_rest_only_and_moves_nothing() -> None:
+    accepting = {state for state in LEAVES if DECISIONS[state, Event.BOOK].verdict == "accepted"}
+    assert accepting == {"idle", "paused_resting", "fault_held", "fault_stopped", "fault_emergency"}
+    assert all(DECISIONS[state, Event.BOOK].state == state for state in accepting)
+
+
+def test_parts_may_be_laid_on_the_belt_at_any_time_and_end_only_the_wait_for_them() -> None:
+    for state in LEAVES:
+        goes_on = "feeding_indexing" if state == "feeding_refilling" else state
+        assert DECISIONS[state, Event.REFILL] == Decision("accepted", goes_on)
+
+
+@pytest.mark.parametrize("state", LEAVES)
+def test_a_hand_moves_the_arm_out_of_a_pause_and_into_it_only(state: str) -> None:
+    decision = DECISIONS[state, Event.HAND]
+    if state == "paused_resting":
+        assert decision == Decision("accepted", "paused_moving")
+    else:
+        assert decision.verdict == "refused"
+    for event in Event:
+        after = DECISIONS["paused_moving", event].state
+        assert top_of(after) in {"paused", "fault"}, event
+
+
+def test_a_hand_movement_can_be_ended_by_its_end_a_stop_a_pause_and_a_fault() -> None:
+    ends = {event for event in Event if DECISIONS["paused_moving", event].state != "paused_moving"}
+    assert ends == {Event.HAND_DONE, Event.STOP, Event.PAUSE, *FAULTS}
+
+
+def test_what_is_left_over_from_before_is_never_taken_up_without_a_person() -> None:
+    assert DECISIONS["starting", Event.RECALLED].state == "paused_resting"
+    after = reachable("paused_resting", lambda _state, event: event not in COMMANDS)
+    assert {top_of(state) for state in after} == {"paused", "fault"}
 
 
 def test_a_missed_pick_is_no_fault() -> None:

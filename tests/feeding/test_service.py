@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from cellctl.errors import CellFault
-from cellctl.feeding.inventory import Act, Inventory
+from cellctl.feeding.inventory import Counts, Move
 from cellctl.feeding.service import BeltActivity, BeltService
 from cellctl.messages import ConveyorData
 from tests.feeding.bench import PITCH_M, Bench, bench
@@ -23,7 +23,7 @@ class Served:
 
     bench: Bench
     service: BeltService
-    inventory: Inventory
+    counts: Counts
     views: list[ConveyorData]
 
     def activities(self) -> list[str]:
@@ -38,11 +38,11 @@ class Served:
 @asynccontextmanager
 async def served(parts: int = 3, retries: int = 1, **feeder: Any) -> AsyncIterator[Served]:
     async with bench(parts=parts, **feeder) as cell:
-        inventory = Inventory.full(parts)
         views: list[ConveyorData] = []
-        service = BeltService(cell.conveyor, retries, inventory, views.append)
+        service = BeltService(cell.conveyor, retries, lambda: own.counts.belt, views.append)
+        own = Served(cell, service, Counts(belt=parts), views)
         try:
-            yield Served(cell, service, inventory, views)
+            yield own
         finally:
             await service.close()
         names = {task.get_name() for task in asyncio.all_tasks()}
@@ -78,7 +78,7 @@ def test_the_next_part_comes_while_nobody_waits() -> None:
             assert (await cell.service.state()).part_present
             assert cell.service.view().activity == BeltActivity.READY
             cell.bench.world.take()
-            cell.inventory.apply(Act.PICK)
+            cell.counts = cell.counts.after(Move.PICK)
             assert not (await cell.service.state()).part_present
             assert not cell.service.ready
             cell.service.request_part()
@@ -109,7 +109,7 @@ def test_who_stops_waiting_does_not_stop_the_belt() -> None:
 def test_the_inventory_tells_empty_from_jammed(counted: int, code: str) -> None:
     async def scenario() -> None:
         async with served(parts=0) as cell:
-            cell.inventory.counts = Inventory.full(counted).counts
+            cell.counts = Counts(belt=counted)
             cell.service.request_part()
             with pytest.raises(CellFault) as caught:
                 await cell.service.part_ready()
@@ -238,7 +238,7 @@ def test_a_part_that_vanishes_before_the_arm_comes_is_not_called_ready() -> None
                 if view.activity == BeltActivity.PRESENTING:
                     cell.emulator.clear("sensor_blocked")
 
-            service = BeltService(cell.conveyor, 0, Inventory.full(1), snatch)
+            service = BeltService(cell.conveyor, 0, lambda: 1, snatch)
             service.request_part()
             with pytest.raises(CellFault, match="gone again") as caught:
                 await service.part_ready()

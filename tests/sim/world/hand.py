@@ -24,7 +24,8 @@ def emulated_config() -> CellConfig:
     """The emulated cell as it is shipped, with ``PARTS`` parts."""
     config = load_config(Path(__file__).parents[3] / "config" / "sim.toml")
     feeder = config.feeder.model_copy(update={"capacity_parts": PARTS})
-    return config.model_copy(update={"feeder": feeder})
+    limits = config.limits.model_copy(update={"inventory_parts": PARTS})
+    return config.model_copy(update={"feeder": feeder, "limits": limits})
 
 
 class Hand:
