@@ -151,7 +151,6 @@ class CellClient:
         except ValidationError as error:
             raise CellctlError(f"{self._door} sent an unreadable reply.") from error
         finally:
-            socket.disable_monitor()
             socket.close()
         if reply.error is not None:
             kind = RefusedError if reply.error.code in {"refused", "busy"} else UsageError
@@ -194,10 +193,15 @@ class CellClient:
         if locked:
             turned_down = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
             poller.register(turned_down, zmq.POLLIN)
-        events = dict(poller.poll(int(timeout_s * 1000)))
-        if socket in events:
+        try:
+            ready = [found for found, _ in poller.poll(int(timeout_s * 1000))]
+        finally:
+            if locked:
+                socket.disable_monitor()
+                turned_down.close()
+        if socket in ready:
             return
-        if events:
+        if ready:
             raise RefusedError(
                 f"{self._door} does not take this key.",
                 "It was revoked, or made for another door; the cell's operator can make another.",

@@ -36,7 +36,7 @@ RESERVED_FOR_STOP = 16
 """How many more may be, when they say stop; a client's own limit does not count for them."""
 _UNREAD = 16
 """Messages of one client that wait to be read; then the client's own side has to wait."""
-_UNSENT = 256
+_UNSENT = 1000
 """Replies that wait for one client to take them; what is beyond is dropped."""
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
@@ -15,38 +13,10 @@ import zmq.asyncio
 from cellctl.assembly import Role
 from cellctl.client import CellClient, NoDaemonError
 from cellctl.clock import SystemClock
-from cellctl.config import BusSection
 from cellctl.control.bus import Bus
 from cellctl.errors import ConfigError, RefusedError
-from cellctl.messages import ControlReply, ControlRequest, GripperData, ReplyError
-
-MAX_AUDIO_S = 1.0
-
-
-async def handler(request: ControlRequest, attachment: bytes | None, role: Role) -> ControlReply:
-    if request.body.command == "pause":
-        error = ReplyError(code="refused", message="Not now.")
-        return ControlReply(id=request.id, ok=False, state="idle", error=error)
-    size = len(attachment or b"")
-    return ControlReply(id=request.id, ok=True, state="idle", message=f"{role} sent {size} bytes")
-
-
-def settings(folder: Path, **endpoints: str) -> BusSection:
-    own = {name: f"ipc://{folder}/{name}" for name in ("status", "visitor", "operator")}
-    return BusSection.model_validate({**own, **endpoints})
-
-
-@asynccontextmanager
-async def serving(folder: Path) -> AsyncIterator[Bus]:
-    bus = Bus(settings(folder), SystemClock(), MAX_AUDIO_S)
-    bus.open()
-    task = asyncio.create_task(bus.serve(handler, lambda: "idle"))
-    try:
-        yield bus
-    finally:
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
-        bus.close()
+from cellctl.messages import ControlReply, GripperData
+from tests.control.served import MAX_AUDIO_S, serving, settings
 
 
 def client(folder: Path, timeout_s: float = 10.0, role: Role = Role.VISITOR) -> CellClient:
@@ -56,7 +26,7 @@ def client(folder: Path, timeout_s: float = 10.0, role: Role = Role.VISITOR) -> 
 
 def test_a_request_gets_its_reply_and_an_attachment_arrives(tmp_path: Path) -> None:
     async def exercise() -> None:
-        async with serving(tmp_path):
+        async with serving(settings(tmp_path)):
             with client(tmp_path) as cell:
                 reply = await asyncio.to_thread(cell.hear, "a.wav", b"12345")
                 assert reply.message == "visitor sent 5 bytes"
@@ -80,7 +50,7 @@ def test_a_request_gets_its_reply_and_an_attachment_arrives(tmp_path: Path) -> N
 )
 def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, says: str) -> None:
     async def exercise() -> ControlReply:
-        async with serving(tmp_path):
+        async with serving(settings(tmp_path)):
             context = zmq.asyncio.Context()
             socket = context.socket(zmq.DEALER)
             try:
@@ -99,7 +69,7 @@ def test_what_is_no_request_gets_a_typed_error(tmp_path: Path, frame: bytes, say
 
 def test_a_plain_req_socket_is_answered(tmp_path: Path) -> None:
     async def exercise() -> ControlReply:
-        async with serving(tmp_path):
+        async with serving(settings(tmp_path)):
             context = zmq.asyncio.Context()
             socket = context.socket(zmq.REQ)
             try:
@@ -116,7 +86,7 @@ def test_a_plain_req_socket_is_answered(tmp_path: Path) -> None:
 
 def test_status_goes_out_in_order_under_its_topic(tmp_path: Path) -> None:
     async def exercise() -> None:
-        async with serving(tmp_path) as bus:
+        async with serving(settings(tmp_path)) as bus:
             with client(tmp_path) as cell:
                 cell.subscribe()
                 await asyncio.to_thread(cell.hear, "joined", b"1")
