@@ -39,7 +39,7 @@ from cellctl.feeding.inventory import Counts, InventoryError
 T = TypeVar("T")
 
 _REASON = "The journal was damaged."
-_MOST_GAPS = 10_000
+_MOST_GAPS = 2000
 """How many rows are skipped one by one where a table cannot be read."""
 
 
@@ -203,6 +203,8 @@ def _rows(db: sqlite3.Connection, table: str, columns: str, rescue: Rescue) -> d
             break
         except sqlite3.Error as error:
             start, problem = start + 1, str(error)
+            if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_ERROR:  # no such table
+                break
     if problem:
         rescue.lost.append(f"some {table} ({problem})")
         with suppress(sqlite3.Error):
@@ -233,7 +235,7 @@ def _believed(
             key=lambda found: found[0],
         )
         try:
-            for expected, (order, act) in zip(count(first + 1), settled):
+            for expected, (order, act) in zip(count(first + 1), settled) if rescue.complete else ():
                 if order != expected:
                     rescue.lost.append(f"the outcome number {expected}")
                     rescue.complete = False

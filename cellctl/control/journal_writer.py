@@ -120,6 +120,7 @@ class JournalWriter:
             db = self._connected()
             version_of(self._path, db)
             check(self._path, db)
+            db.execute("PRAGMA journal_mode = WAL").fetchone()  # a copy may have lost it
             migrate(self._path, db)
             return read_contents(db, recent)
 
@@ -237,7 +238,6 @@ class JournalWriter:
             raise CellFault("journal_failed", f"{self._path} was replaced by another file.")
         if self._db is None:
             self._db = connect(self._path, writable=True)
-            self._db.execute("PRAGMA journal_mode = WAL").fetchone()
             self._file = there
         return self._db
 

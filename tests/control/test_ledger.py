@@ -74,7 +74,8 @@ def test_a_part_goes_from_the_belt_to_its_cell() -> None:
     carried = held.after(PLACE)
     assert not carried.lift_unchecked
     stands = carried.after(RELEASE)
-    assert (stands.holding, stands.standing) == (False, {HERE})
+    assert not stands.holding
+    assert stands.standing == frozenset({HERE})
 
 
 def test_a_missed_part_is_at_the_station_until_it_is_picked() -> None:
