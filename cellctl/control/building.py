@@ -77,6 +77,8 @@ class Builder:
         """The act in which the latch was told to move and has not confirmed it."""
         self._act_id: int | None = None
         """The newest act."""
+        self._feed_act: int | None = None
+        """The act in which the belt was asked for a part."""
         self._lifted = False
         """The part in the gripper was seen to leave the station."""
         self._retries = 0
@@ -122,7 +124,7 @@ class Builder:
                 does not answer.
         """
         unsettled = self._journal.unsettled()
-        self.doubt = self._open_act = None
+        self.doubt = self._open_act = self._feed_act = None
         ledger = self.ledger
         if not unsettled and not ledger.holding:
             if self._hands.latched() and not ledger.missed:
@@ -207,9 +209,16 @@ class Builder:
         began_s = self._clock.now_s()
         if self._part_began_s is None:
             self._part_began_s = began_s
-        async with self._act(ActKind.FEED, job):
-            self._belt.request_part()
+        await self._ask_for_part(job)
+        try:
             await self._belt.part_ready(near)
+        except asyncio.CancelledError:
+            self._end_feed("interrupted")
+            raise
+        except CellFault as fault:
+            self._end_feed("failed", str(fault))
+            raise
+        self._end_feed("done")
         self._waited_s += self._clock.now_s() - began_s
 
     async def pick(self, job: Job) -> bool:
@@ -233,7 +242,9 @@ class Builder:
             belt = await self._belt.state()
             if self.grip is Grip.NOTHING and not belt.part_present:
                 act.failed("No part lies at the station any more.")
+                self._end_feed("failed", act.reason)
                 return False
+            self._end_feed("done")
             hands.expect_at(hands.routes.pick_stance())
             self._latch_moves(ActKind.PICK)
             await hands.close()
@@ -339,7 +350,19 @@ class Builder:
         robot, pitch_m = self._config.robot, self._config.voxel.pitch_m
         await self._hands.wait_risen(move, pitch_m + robot.clearance_m / 2)
         if job.more_after_this and not job.cancelling and self.ledger.counts.belt > 0:
-            self._belt.request_part()
+            await self._ask_for_part(job)
+
+    async def _ask_for_part(self, job: Job) -> None:
+        """Have the belt bring a part. The intent tells, after a crash, that the part in the gripper
+        had left the station by then: another part may lie there."""
+        if self._feed_act is None:
+            self._feed_act = await self._journal.intend(ActKind.FEED, job.job_id)
+        self._belt.request_part()
+
+    def _end_feed(self, outcome: Outcome, detail: str = "") -> None:
+        act_id, self._feed_act = self._feed_act, None
+        if act_id is not None:
+            self._journal.settle(act_id, outcome, detail)
 
     def _latch_moves(self, kind: ActKind) -> None:
         """From here on only the devices, or a person, can say what became of the act."""

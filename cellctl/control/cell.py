@@ -99,6 +99,8 @@ class Cell:
         self.started = False
         self.left_starting = asyncio.Event()
         """Set when the devices were found, or were not."""
+        self.been_idle = asyncio.Event()
+        """Set when a wish could first be taken."""
         self.last_state = StateData(state="starting", previous="", event="")
         self._stages: dict[str, Callable[[Post], Awaitable[None]]] = {
             "start": self._start,
@@ -230,6 +232,8 @@ class Cell:
         """Keep the job's record in step with the machine, and tell everyone."""
         if after != "starting":
             self.left_starting.set()
+        if after == "idle":
+            self.been_idle.set()
         job = self.active_job
         if job is not None:
             self._follow(job, event, after)

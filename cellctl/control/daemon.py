@@ -19,8 +19,8 @@ from cellctl.config import CellConfig
 from cellctl.control.building import Builder
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell, Devices
-from cellctl.control.ears import LiveEars
 from cellctl.control.designing import warm_up
+from cellctl.control.ears import LiveEars
 from cellctl.control.health import LoopMonitor
 from cellctl.control.journal_store import SqliteJournal
 from cellctl.control.monitor import ArmMonitor, arm_view
@@ -133,17 +133,21 @@ class Daemon:
             await asyncio.sleep(self.config.bus.heartbeat_s)
 
     async def _warm_up(self) -> None:
-        """Load what the first wish needs, when the devices are found: that comes first."""
+        """Load what listens as soon as the devices are found, and the planner when a wish may come:
+        a cell that was cut off in a build has other work to do."""
         await self.cell.left_starting.wait()
-        try:
-            await self.designer.call(warm_up, timeout_s=_WARM_UP_TIMEOUT_S)
-        except WorkerError as error:
-            log.warning("the planner cannot be loaded", reason=str(error))
+        if self.config.hearing.microphone == "none":
+            await self.cell.been_idle.wait()
         try:
             self.cell.wishes.recogniser = await self.hearing.warm_up()
         except HearingError as error:
             self.cell.wishes.recogniser = "none"
             log.warning("no speech recognition; typed requests work", reason=str(error))
+        await self.cell.been_idle.wait()
+        try:
+            await self.designer.call(warm_up, timeout_s=_WARM_UP_TIMEOUT_S)
+        except WorkerError as error:
+            log.warning("the planner cannot be loaded", reason=str(error))
 
     async def _prune(self) -> None:
         """Let the journal forget what is old, now and every day."""

@@ -162,6 +162,11 @@ class HandMoves:
                 "The inventory counts no part on the belt.",
                 "Lay parts on it and tell it with `cellctl refill`.",
             )
+        if self._hands.near_station():
+            raise RefusedError(
+                "The arm is at the pick station, where the part would run into it.",
+                "Move it away first, for example with `cellctl hand rise`.",
+            )
         self._belt.request_part()
         await self._belt.part_ready()
         return "A part lies at the pick station."

@@ -107,6 +107,13 @@ class ArmAndLatch:
         if move.done():
             await move
 
+    def near_station(self) -> bool:
+        """Whether a part that comes in could touch the gripper, or what it holds."""
+        pitch_m, clearance_m = self._config.voxel.pitch_m, self._config.robot.clearance_m
+        here, station = self.state().tcp_pose, self.routes.pick_stance().tcp_pose
+        beside = math.dist(here[:2], station[:2]) < 2.0 * pitch_m
+        return beside and here[2] - station[2] < pitch_m + clearance_m / 2
+
     def expect_at(self, stance: Stance) -> None:
         """The latch moves only where the arm was sent.
 

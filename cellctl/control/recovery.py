@@ -130,6 +130,9 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
         )
     if not ledger.lift_unchecked or not evidence.risen:
         return Settlement(acts=tuple(settled))
+    if any(act.kind is ActKind.FEED for act in unsettled):
+        # The next part was called in only after this one was seen to leave.
+        return Settlement(acts=tuple(settled), lifted=True)
     if not evidence.part_at_station:
         return Settlement(acts=tuple(settled), lifted=True)
     return _lift(ledger, evidence, tuple(settled), part)

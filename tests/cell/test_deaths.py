@@ -1,0 +1,88 @@
+"""A daemon that is killed at any instant loses no part, doubles none, and the next one goes on."""
+
+from __future__ import annotations
+
+import random
+import statistics
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.cell.lives import Lives, many_lives
+
+pytestmark = [pytest.mark.wire]
+
+_BOUNDARIES = 60
+_INSTANTS = 20
+_FARTHEST = 8
+"""Each life ends at most so many writes of the journal after it began."""
+_LONGEST_S = 2.5
+
+
+@pytest.fixture
+def lives() -> Iterator[Lives]:
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name, many_lives(Path(name)) as lives:
+        yield lives
+
+
+def tell(lives: Lives) -> None:
+    """Print the figures."""
+    times = sorted(lives.settled_s)
+    p99_s = times[int(0.99 * (len(times) - 1))]
+    print(  # noqa: T201
+        f"{lives.deaths} deaths, {lives.built} objects built, found {dict(lives.found)}; "
+        f"from start to rest median {statistics.median(times):.2f} s, p99 {p99_s:.2f} s"
+    )
+
+
+def complete(lives: Lives) -> None:
+    """A daemon that nobody kills completes what the others began."""
+    with lives.life() as life:
+        assert life.settle() is not None
+        began = lives.built
+        while lives.built == began:
+            life.go_on(until_s=time.monotonic() + 1.0)
+
+
+@pytest.mark.timeout(400)
+def test_killed_at_the_journals_writes(lives: Lives) -> None:
+    """Just before and just after a write: the act is known and not done, or done and not known."""
+    for number in range(_BOUNDARIES):
+        when, write = ("before", "after")[number % 2], 1 + number // 2 % _FARTHEST
+        with lives.life(when, str(write)) as life:
+            if life.settle() is not None:
+                life.go_on()
+            assert life.dead
+    complete(lives)
+    tell(lives)
+    assert lives.deaths == _BOUNDARIES
+    assert lives.built >= 2
+
+
+@pytest.mark.timeout(200)
+def test_killed_at_any_instant(lives: Lives) -> None:
+    instants = random.Random(3)  # noqa: S311 - which instants is of no consequence
+    for _ in range(_INSTANTS):
+        with lives.life() as life:
+            if life.settle() is not None:
+                life.go_on(until_s=time.monotonic() + instants.uniform(0.0, _LONGEST_S))
+    complete(lives)
+    tell(lives)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(7200)
+def test_killed_at_every_write_of_a_build(lives: Lives) -> None:
+    """Each write twice: the life that ends before it, and the life that ends after it."""
+    number = 0
+    while number < 400 or not lives.built:
+        with lives.life(("before", "after")[number % 2], "1" if number % 4 < 2 else "2") as life:
+            if life.settle() is not None:
+                life.go_on()
+            assert life.dead
+        number += 1
+    complete(lives)
+    tell(lives)
