@@ -29,6 +29,8 @@ class ExitStatus(IntEnum):
     """The cell ended in a fault."""
     DIFFERS = 6
     """The object stands, but differs from the plan."""
+    UNFIT = 7
+    """``doctor`` found a problem, or a step of ``commission`` failed."""
 
 
 class CellctlError(Exception):
@@ -316,8 +318,8 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         title="The journal is damaged, so nobody knows where the parts are.",
         causes=("The disk is failing.", "Something other than cellctl wrote to the file."),
         remedy=(
-            "Stop the daemon, then `cellctl restore FILE` with a backup, or `cellctl journal new` "
-            "to save what can be read; start it again, count the parts and tell it."
+            "`cellctl restore FILE` with a backup, or `cellctl journal new` to save what can be "
+            "read; then reset and resume, count the parts and tell it with `cellctl inventory set`."
         ),
     ),
     FaultEntry(

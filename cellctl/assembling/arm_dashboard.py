@@ -10,7 +10,7 @@ import select
 import socket
 import time
 from collections.abc import Generator
-from typing import Literal
+from typing import Literal, TypeVar
 
 from cellctl.assembling.arm import ArmIdentity
 from cellctl.assembling.arm_receiver import (
@@ -23,6 +23,8 @@ from cellctl.assembling.arm_receiver import (
 from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 
+Answer = TypeVar("Answer")
+
 _REPLY_TIMEOUT_S = 2.0
 _POLL_S = 0.001
 _REMOTE = "is in remote control"
@@ -33,6 +35,17 @@ _UNLOCK_TIMEOUT_S = 10.0
 _END_PROGRAM_TIMEOUT_S = 3.0
 _POWER_S = 20.0
 """For switching the arm on, and for releasing its brakes; a real one takes some seconds each."""
+
+
+def finished(steps: Generator[None, None, Answer]) -> Answer:
+    """Go through steps that have no loop to give rounds to, and return what comes of them."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            answer: Answer = end.value
+            return answer
+        time.sleep(_POLL_S)
 
 
 class Dashboard:
@@ -57,7 +70,11 @@ class Dashboard:
         except OSError as error:
             raise CellFault("robot_lost", f"{self._where}: {error.strerror or error}.") from error
         self._lines = self._socket.makefile("r", encoding="utf-8", newline="\n")
-        self._read()
+        try:
+            self._read()
+        except CellFault:
+            self.close()
+            raise
 
     def ask(self, command: str) -> str:
         """Send a line and return the reply.
@@ -67,6 +84,11 @@ class Dashboard:
         """
         self._send(command)
         return self._read()
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        self._lines.close()
+        self._socket.close()
 
     def asking(self, command: str) -> Generator[None, None, str]:
         """``ask`` for a loop that has other things to do: each ``yield`` gives it a round.
@@ -88,14 +110,7 @@ class Dashboard:
         Raises:
             CellFault: ``robot_mismatch``, ``local_control`` or ``robot_lost``.
         """
-        steps = self.identifying(expected)
-        while True:
-            try:
-                next(steps)
-            except StopIteration as end:
-                identity: ArmIdentity = end.value
-                return identity
-            time.sleep(_POLL_S)
+        return finished(self.identifying(expected))
 
     def identifying(self, expected: Literal["ur10", "ur10e"]) -> Generator[None, None, ArmIdentity]:
         """``identity`` for a loop that has other things to do.

@@ -36,6 +36,11 @@ def configuration(path: Path | None) -> CellConfig:
 
 def client(path: Path | None, role: Role = Role.OPERATOR, key: Path | None = None) -> CellClient:
     """A client for the daemon of that cell, at that role's door."""
-    if key is None and (named := os.environ.get(KEY_VARIABLE)):
-        key = Path(named)
-    return CellClient.for_role(configuration(path), role, key=key)
+    return CellClient.for_role(configuration(path), role, key=named_key(key))
+
+
+def named_key(explicit: Path | None) -> Path | None:
+    """The key file that the option or the environment names; None where neither does."""
+    if explicit is None and (named := os.environ.get(KEY_VARIABLE)):
+        return Path(named)
+    return explicit
