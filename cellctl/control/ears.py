@@ -161,6 +161,8 @@ class LiveEars:
         while True:
             segment = await self._segments.get()
             try:
+                if await self._stopped_at_once(segment, take):
+                    continue
                 utterance = await self._hearing.hear_samples(segment.pcm)
                 await self._judge(segment, utterance, take)
             except HearingError as error:
@@ -173,21 +175,27 @@ class LiveEars:
                 # The next word may be "stop": it must be heard whatever went wrong with this one.
                 log.exception("heard in vain")
 
+    async def _stopped_at_once(self, segment: Segment, take: Take) -> bool:
+        """Recognising a whole sentence takes time that "stop" has not got."""
+        if self._state() in _REQUEST_STATES or not await self._hearing.says_stop(segment.pcm):
+            return False
+        await self._do(Utterance(text="stop", source="microphone"), segment, take)
+        return True
+
     async def _judge(self, segment: Segment, utterance: Utterance, take: Take) -> None:
         word = overheard_command(utterance.text)
-        if segment.after:
+        if segment.after and not utterance.text:
             self._publish(SpeechData(utterance=utterance))
-            if not utterance.text:
-                self._tell(_NOT_UNDERSTOOD)
-                return
-        elif word is None or not self._counts(word):
-            return
-        else:
-            self._publish(SpeechData(utterance=utterance))
-        said = utterance if word is None else utterance.model_copy(update={"text": word})
-        after_s = round(time.monotonic() - segment.speech_end_s, 3)
-        log.info("heard", text=utterance.text, after=segment.after or "nothing", delay_s=after_s)
-        await take(said, Role.VISITOR)
+            self._tell(_NOT_UNDERSTOOD)
+        elif segment.after or (word is not None and self._counts(word)):
+            said = utterance if word is None else utterance.model_copy(update={"text": word})
+            await self._do(said, segment, take)
+
+    async def _do(self, utterance: Utterance, segment: Segment, take: Take) -> None:
+        delay_s = round(time.monotonic() - segment.speech_end_s, 3)
+        log.info("heard", text=utterance.text, after=segment.after or "nothing", delay_s=delay_s)
+        self._publish(SpeechData(utterance=utterance))
+        await take(utterance, Role.VISITOR)
 
     def _counts(self, word: str) -> bool:
         """Whether a word counts that was said without the wake word or the button."""

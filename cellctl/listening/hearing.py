@@ -73,6 +73,18 @@ class Hearing:
         timeout_s = self._load_timeout_s + RECOGNITION_FACTOR * self._settings.max_audio_s
         return await self._call(transcription.transcribe_pcm, (self._settings, pcm), timeout_s)
 
+    async def says_stop(self, pcm: bytes) -> bool:
+        """Look quickly whether sound from the microphone is "stop" and nothing else.
+
+        False does not mean that it is not: ``hear_samples`` looks closer.
+
+        Raises:
+            HearingError: there is no model, or its process failed.
+        """
+        return await self._call(
+            transcription.says_stop, (self._settings, pcm), self._load_timeout_s
+        )
+
     def hear_text(self, text: str) -> Utterance:
         """Take a typed sentence as if it had been spoken.
 

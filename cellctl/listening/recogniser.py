@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -29,4 +29,13 @@ class Recogniser(Protocol):
 
     def transcribe(self, samples: Samples) -> Transcript:
         """Recognise one utterance; silence and noise give an empty text."""
+        ...
+
+
+@runtime_checkable
+class QuickStop(Protocol):
+    """What a slow recogniser may have besides: a quick way to hear the word that matters most."""
+
+    def says_stop(self, samples: Samples) -> bool:
+        """Whether one utterance is "stop" and nothing else."""
         ...

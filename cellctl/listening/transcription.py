@@ -14,7 +14,7 @@ import numpy as np
 from cellctl.assembly import Utterance
 from cellctl.config import HearingSection
 from cellctl.listening.models import open_recogniser
-from cellctl.listening.recogniser import Recogniser, Samples
+from cellctl.listening.recogniser import QuickStop, Recogniser, Samples
 from cellctl.listening.wav import duration_s, is_silent, read_wav
 
 _loaded: dict[HearingSection, Recogniser] = {}
@@ -45,6 +45,22 @@ def transcribe_pcm(settings: HearingSection, pcm: bytes) -> Utterance:
         HearingError: there is no model.
     """
     return _transcribe(settings, np.frombuffer(pcm, dtype=np.int16), "microphone")
+
+
+def says_stop(settings: HearingSection, pcm: bytes) -> bool:
+    """A quick look whether this is "stop" and nothing else; False where the recogniser has no
+    quicker way than to recognise everything.
+
+    Raises:
+        HearingError: there is no model.
+    """
+    recogniser = _recogniser(settings)
+    samples = np.frombuffer(pcm, dtype=np.int16)
+    return (
+        isinstance(recogniser, QuickStop)
+        and not is_silent(samples)
+        and recogniser.says_stop(samples)
+    )
 
 
 def _transcribe(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,12 @@ MIN_AVG_LOGPROB = -0.7
 MAX_NO_SPEECH = 0.6
 """Measured gate: with both, none of 24 clips of music and noise came out as words. A doubtful
 "stop" passes all the same: a stop too many does no harm."""
+
+_GLANCE_FRAMES = 400
+"""How much sound the first look for "stop" takes in, in frames of 10 ms. Whisper pads everything to
+3000; with so few it stutters ("Stop. Stop. Stop."), and takes a tenth of the time."""
+_GLANCE_TOKENS = 8
+_STOPS = frozenset({"stop", "halt"})
 
 PROMPT = (
     "Build me a stool with four legs, a shelf with two tiers, a table with one leg, the letter T, "
@@ -69,6 +76,34 @@ class WhisperRecogniser:
             return Transcript(text="", confidence=0.0)
         logprob = sum(segment.avg_logprob for segment in kept) / len(kept)
         return Transcript(text=text, confidence=min(1.0, math.exp(logprob)))
+
+    def says_stop(self, samples: Samples) -> bool:
+        """A first look, ten times as quick as ``transcribe``: is this "stop", and nothing else?
+
+        Hears it where it is said clearly; what it misses, ``transcribe`` may still hear.
+
+        Args:
+            samples: one utterance; of a longer one than 4 s the end.
+        """
+        from faster_whisper.tokenizer import Tokenizer  # noqa: PLC0415 - loaded by now
+
+        model = self._model
+        end = samples[-_GLANCE_FRAMES * 160 :].astype(np.float32) / 32768.0
+        features = model.feature_extractor(end)[:, :_GLANCE_FRAMES]
+        features = np.pad(features, ((0, 0), (0, _GLANCE_FRAMES - features.shape[1])))
+        tokenizer = Tokenizer(
+            model.hf_tokenizer, model.model.is_multilingual, task="transcribe", language="en"
+        )
+        prompt = model.get_prompt(tokenizer, [], without_timestamps=True)
+        found = model.model.generate(
+            model.encode(features),
+            [prompt],
+            beam_size=1,
+            max_length=len(prompt) + _GLANCE_TOKENS,
+            return_no_speech_prob=True,
+        )[0]
+        words = re.findall("[a-z]+", tokenizer.decode(found.sequences_ids[0]).lower())
+        return bool(words) and set(words) <= _STOPS and found.no_speech_prob < MAX_NO_SPEECH
 
 
 def _load(folder: Path) -> WhisperModel:

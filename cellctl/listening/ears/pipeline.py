@@ -34,7 +34,7 @@ BEFORE_S = 0.32
 """Sound that is kept from before the first speech: a soft consonant is no speech yet."""
 REQUEST_SILENCE_S = 0.6
 """Silence that ends a request: people stop to think."""
-COMMAND_SILENCE_S = 0.3
+COMMAND_SILENCE_S = 0.25
 """Silence that ends what can only be a command: the arm may be moving."""
 SHORTEST_SPEECH_S = 0.1
 """Less is a click or a cough."""
