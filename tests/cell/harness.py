@@ -14,11 +14,12 @@ from cellctl.assembly import Assembly, Role
 from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
-from cellctl.messages import JobData, Snapshot, StatusMessage
+from cellctl.messages import CountCommand, JobData, RefillCommand, Snapshot, StatusMessage
 from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated
 from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
+from cellctl.sim.world_values import Where
 
 CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
 PATIENCE_S = 90.0
@@ -106,7 +107,22 @@ class RunningCell:
         assert set(truth.built) == set(plan.assembly.cells)
         held = truth.violations[self.held_before :]
         assert not held, f"the world holds against the cell: {held}"
-        assert sum(truth.counts.values()) == self.config.feeder.capacity_parts
+        assert sum(truth.counts.values()) == self.config.limits.inventory_parts
+        self.assert_inventory_true()
+
+    def assert_inventory_true(self) -> None:
+        """The daemon's inventory is where the world's parts are; what fell counts as unknown."""
+        believed = self.client.snapshot().inventory
+        counts = self.truth().counts
+        assert believed == {
+            "stock": counts[Where.STOCK],
+            "belt": counts[Where.BELT] + counts[Where.PICK_STATION],
+            "gripper": counts[Where.GRIPPER],
+            "structure": counts[Where.PLACED],
+            "handed_over": counts[Where.HANDED_OVER],
+            "scrap": 0,
+            "unknown": counts[Where.FALLEN],
+        }
 
     def bring_back(self) -> None:
         """Whatever state a test left, mend the cell, end the job and take everything out."""
@@ -126,10 +142,35 @@ class RunningCell:
         self.clear_workspace()
 
     def clear_workspace(self) -> None:
-        """A person takes everything out and says so."""
+        """A person takes everything out, lays the belt full, says so, and has counted."""
         self.world.clear_workspace()
-        self.world.refill()
         self.client.command("clear")
+        self.world.refill()
+        believed = self.client.snapshot().inventory
+        if believed["stock"] and believed["belt"] < self.config.feeder.capacity_parts:
+            self.client.request(RefillCommand())
+        self.count()
+
+    def count(self) -> None:
+        """A person counts all parts and tells it, if the inventory is not right."""
+        counts = self.truth().counts
+        belt = counts[Where.BELT] + counts[Where.PICK_STATION]
+        believed = self.client.snapshot().inventory
+        if (believed["stock"], believed["belt"]) != (counts[Where.STOCK], belt):
+            self.client.request(CountCommand(stock=counts[Where.STOCK], belt=belt, scrap=0))
+
+
+def cell_config(**sections: dict[str, Any]) -> CellConfig:
+    """The emulated cell's configuration with the confirmation waived, and sections changed."""
+    base = load_config(CONFIG)
+    # A slow window keeps a busy machine from stopping the arm; what the watchdog does is proven
+    # with the arm process alone.
+    robot = {"watchdog_hz": 5.0, **sections.pop("robot", {})}
+    changed = {"policy": {"confirmation": "waived"}, "robot": robot, **sections}
+    updates = {
+        name: getattr(base, name).model_copy(update=values) for name, values in changed.items()
+    }
+    return CellConfig.model_validate(base.model_copy(update=updates).model_dump(exclude_none=True))
 
 
 @contextmanager
@@ -143,17 +184,7 @@ def running_cell(
         patience_s: how long to wait for anything (wall time).
         sections: settings to change, by section: ``robot={"model": "ur10"}``.
     """
-    base = load_config(CONFIG)
-    # A slow window keeps a busy machine from stopping the arm; what the watchdog does is proven
-    # with the arm process alone.
-    robot = {"watchdog_hz": 5.0, **sections.pop("robot", {})}
-    changed = {"policy": {"confirmation": "waived"}, "robot": robot, **sections}
-    updates = {
-        name: getattr(base, name).model_copy(update=values) for name, values in changed.items()
-    }
-    config = CellConfig.model_validate(
-        base.model_copy(update=updates).model_dump(exclude_none=True)
-    )
+    config = cell_config(**sections)
     with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
         own = isolated(config, Path(name), speed)
         with (
