@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from cellctl.assembling.route import Route, RoutePlanner, Stance
+from cellctl.assembling.travel import travel
 from cellctl.assembly import Cell
 from cellctl.control.recovery import STAYED_M
 from cellctl.errors import CellFault, PlanError
@@ -81,14 +82,19 @@ class ArmAndLatch:
             route = await asyncio.to_thread(plan, self.stance(), standing)
         except PlanError as error:
             raise CellFault("no_route", error.message) from error
-        if not route.path:
+        if not route.path and route.joints is None:
             return
         began()
         path = tuple(
             corner.model_copy(update={"speed_m_s": corner.speed_m_s * speed_fraction})
             for corner in route.path
         )
-        await self.arm.follow(path, route.duration_s / speed_fraction)
+        slowed = {
+            "path": path,
+            "joint_speed_rad_s": route.joint_speed_rad_s * speed_fraction,
+            "duration_s": route.duration_s / speed_fraction,
+        }
+        await travel(self.arm, route.model_copy(update=slowed))
 
     async def check_wiring(self) -> float:
         """Prove the gripper's lines with an empty latch; see ``Gripper.check_wiring``."""
