@@ -1,0 +1,173 @@
+"""The units: how exposed they are, and what is left to the daemon under their restrictions."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from cellctl.config import load_config
+from cellctl.sim.isolation import write_config
+from tests.cell.harness import CONFIG, bar
+from tests.house.test_install import Target
+from tests.leaks import REPOSITORY
+from tests.service.machine import Machine, machine, why_not
+
+UNITS = sorted((REPOSITORY / "systemd").glob("*.service"))
+WORST_EXPOSURE = 1.8
+LIBRARIES = ("sounddevice", "vosk", "ctranslate2", "onnxruntime", "scipy.spatial", "rtde_control")
+
+ALLOWED = (
+    *("write_state", "write_run", "write_tmp", "read_configuration"),
+    *("reach_loopback", "reach_private", "audio", "dialout"),
+)
+REFUSED = (
+    *("write_etc", "write_program", "see_home", "reach_internet", "socket_packet"),
+    *("socket_ipv6", "other_device", "more_priority"),
+)
+# There is no journal daemon in the machine.
+LOG = "/var/log/services.log"
+EMULATED = f"""[Service]
+StandardOutput=append:{LOG}
+StandardError=append:{LOG}
+User=cellctl
+RuntimeDirectory=cellctl-emulated
+ExecStart=/opt/cellctl/venv/bin/cellctl sim
+"""
+PROBE = f"""[Service]
+StandardError=append:{LOG}
+Type=oneshot
+Restart=no
+ExecStart=
+Environment="LIBRARIES={" ".join(LIBRARIES)}"
+ExecStart=/opt/cellctl/venv/bin/python /opt/cellctl/probe.py /var/lib/cellctl/probe.json $LIBRARIES
+"""
+IMPATIENT = f"""[Service]
+StandardOutput=append:{LOG}
+StandardError=append:{LOG}
+WatchdogSec=2
+RestartSec=0
+"""
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing")
+@pytest.mark.parametrize("unit", UNITS, ids=lambda unit: unit.name)
+def test_the_exposure_is_small(unit: Path) -> None:
+    result = subprocess.run(
+        ["systemd-analyze", "security", "--offline=yes", "--no-pager", str(unit)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", result.stdout)
+    assert found, result.stdout + result.stderr
+    assert float(found[1]) <= WORST_EXPOSURE, result.stdout
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
+    if reason := why_not():
+        pytest.skip(reason)
+    folder = tmp_path_factory.mktemp("service")
+    target = Target(folder)
+    result = target.run("make", "-s", "install")
+    assert result.returncode == 0, result.stderr
+    base = load_config(CONFIG)
+    changes = {
+        "cell": base.cell.model_copy(update={"clock_rate": 5.0}),
+        "policy": base.policy.model_copy(update={"confirmation": "waived"}),
+        # A busy machine must not stop the arm; the watchdog is proven elsewhere.
+        "robot": base.robot.model_copy(update={"host": "192.168.7.7", "watchdog_hz": 5.0}),
+        "feeder": base.feeder.model_copy(update={"port": "/run/cellctl-emulated/conveyor"}),
+    }
+    write_config(base.model_copy(update=changes), target.root / "etc/cellctl/cell.toml")
+    (target.root / "opt/cellctl/bar.json").write_bytes(bar(1, 1, 2))
+    shutil.copy(REPOSITORY / "tests/service/probe.py", target.root / "opt/cellctl/probe.py")
+    units = target.root / "etc/systemd/system"
+    (units / "emulated.service").write_text(EMULATED)
+    shutil.copy(units / "cellctl.service", units / "probe.service")
+    for name, text in (("probe", PROBE), ("cellctl", IMPATIENT)):
+        (units / f"{name}.service.d").mkdir()
+        (units / f"{name}.service.d" / "test.conf").write_text(text)
+    with machine(target.root, LOG) as running:
+        running.run("systemd-sysusers", "/etc/sysusers.d/cellctl.conf")
+        running.run("systemd-tmpfiles", "--create", "/etc/tmpfiles.d/cellctl.conf")
+        for group in ("audio", "dialout"):
+            running.run("install", "-m", "0640", "-g", group, "/dev/null", f"/srv/{group}")
+        yield running
+
+
+def wait(what: str, holds: Callable[[], bool], patience_s: float = 40.0) -> None:
+    """Wait for something that systemd or the daemon tells."""
+    deadline_s = time.monotonic() + patience_s
+    while not holds():
+        assert time.monotonic() < deadline_s, f"waited in vain for {what}"
+        time.sleep(0.1)
+
+
+def built(cell: Machine) -> bool:
+    """Whether the object stands; goes on, as an operator does, when the robot heard us too late.
+
+    A busy machine makes that happen: what is proven here is not the arm's watchdog.
+    """
+    snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
+    fault = snapshot["fault"]["entry"]
+    if fault is not None and snapshot["state"]["state"] == "fault_stopped":
+        assert fault["code"] == "program_stopped", snapshot["fault"]
+        cell.run("cellctl", "reset")
+    elif snapshot["state"]["state"] == "paused_resting":
+        cell.run("cellctl", "resume")
+    return bool(snapshot["job"]["outcome"] == "built")
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+def test_what_the_units_restrictions_leave_to_the_daemon(cell: Machine) -> None:
+    cell.run("systemctl", "start", "probe.service")
+    found = json.loads(cell.path("/var/lib/cellctl/probe.json").read_text())
+    assert found["uid"] != 0
+    assert found["capabilities"] == 0
+    assert found["no_new_privileges"] == "1"
+    assert found["seccomp"] == "2"
+    assert {name: found[name] for name in ALLOWED} == dict.fromkeys(ALLOWED, "yes")
+    assert [name for name in REFUSED if found[name] == "yes"] == []
+    assert found["mount"] == -1
+    # Whether it is granted depends on the rights of the machine that this one runs on.
+    assert cell.property_of("cellctl.service", "LimitNICE") == "30"  # 20 less the niceness
+    assert found["child_process"] == 0
+    assert found["callback"]
+    assert found["libraries"] == dict.fromkeys(LIBRARIES, "yes")
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) -> None:
+    cell.run("systemctl", "start", "emulated.service")
+    cell.run("systemctl", "start", "cellctl.service")  # returns when the daemon has said READY
+    wait("an idle cell", lambda: '"idle"' in cell.run("cellctl", "status", "--json").stdout)
+    assert cell.property_of("cellctl.service", "StatusText")
+
+    cell.run("cellctl", "build", "/opt/cellctl/bar.json", check=False)
+    refusal = cell.run("bash", str(REPOSITORY / "scripts/install"), check=False)
+    assert refusal.returncode == 1
+    assert "refused: a job is under way" in refusal.stderr
+    wait("the object", lambda: built(cell))
+    truth = json.loads(cell.run("cellctl", "sim", "truth").stdout)
+    assert sorted(truth["built"]) == [[2, 2, 0], [2, 2, 1]]  # in the middle
+    assert truth["violations"] == []
+
+    cell.run("systemctl", "kill", "--kill-who=main", "--signal=STOP", "cellctl.service")
+    wait("a restart", lambda: cell.property_of("cellctl.service", "NRestarts") == "1")
+    wait("the daemon", lambda: cell.property_of("cellctl.service", "ActiveState") == "active")
+    snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
+    assert len(snapshot["standing"]) == 2
+
+    cell.run("systemctl", "stop", "cellctl.service")
+    assert cell.property_of("cellctl.service", "Result") == "success"
