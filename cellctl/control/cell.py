@@ -375,6 +375,8 @@ class Cell:
                 raise result
 
     async def _recover(self, post: Post) -> None:
+        await self._journal.start()
+        await self._journal.flush()
         await self._devices.arm.recover()
         await self._devices.belt.recover()
         post(Event.RECOVERED)
