@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from cellctl import logs
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.config import CellConfig
 from cellctl.errors import CellFault, UsageError
@@ -73,6 +74,7 @@ def register(app: typer.Typer) -> None:
     @group.command()
     def prune(config: ConfigOption = None) -> None:
         """Let go of what is older than [journal] says; a running daemon does so by itself."""
+        logs.configure("warning")
         typer.echo(f"{asyncio.run(_prune(configuration(config)))} jobs and acts were removed.")
 
 
