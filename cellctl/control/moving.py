@@ -85,16 +85,7 @@ class ArmAndLatch:
         if not route.path and route.joints is None:
             return
         began()
-        path = tuple(
-            corner.model_copy(update={"speed_m_s": corner.speed_m_s * speed_fraction})
-            for corner in route.path
-        )
-        slowed = {
-            "path": path,
-            "joint_speed_rad_s": route.joint_speed_rad_s * speed_fraction,
-            "duration_s": route.duration_s / speed_fraction,
-        }
-        await travel(self.arm, route.model_copy(update=slowed))
+        await travel(self.arm, route.slowed(speed_fraction))
 
     async def check_wiring(self) -> float:
         """Prove the gripper's lines with an empty latch; see ``Gripper.check_wiring``."""
