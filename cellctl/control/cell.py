@@ -96,6 +96,8 @@ class Cell:
         )
         self.hand = HandMoves(builder, devices.hands, devices.belt, journal)
         self.job: Job | None = None
+        self._kept_files: JobFiles | None = None
+        """What the journal has of the present job's files."""
         self.started = False
         self.left_starting = asyncio.Event()
         """Set when the devices were found, or were not."""
@@ -145,7 +147,7 @@ class Cell:
         job.end_of_speech_s = self._clock.now_s()
         job.began_at = self._clock.wall_time()
         job.standing = self.builder.standing
-        self.job = job
+        self.job, self._kept_files = job, None
         self.builder.begin()
         self._keep(job)
         structlog.contextvars.bind_contextvars(job=job.job_id)
@@ -153,7 +155,9 @@ class Cell:
 
     def _keep(self, job: Job) -> None:
         """Write the job down; its files only when they are new."""
-        self._journal.keep_job(job.record(), JobFiles(mesh=job.generated, upload=job.upload))
+        files = JobFiles(mesh=job.generated, upload=job.upload)
+        self._journal.keep_job(job.record(), files if files != self._kept_files else None)
+        self._kept_files = files
 
     def why_occupied(self) -> str:
         """Why no build can begin; empty when one can."""
@@ -237,7 +241,6 @@ class Cell:
         job = self.active_job
         if job is not None:
             self._follow(job, event, after)
-        if job is not None:
             self._keep(job)
         log.info("state", event_name=event.value, before=before, after=after)
         self._tell(event.value, before, after)
