@@ -6,6 +6,7 @@ import structlog
 
 from cellctl.control.acts import ActKind
 from cellctl.control.cell import Cell
+from cellctl.control.job import Grip
 from cellctl.control.states import Event
 from cellctl.errors import RefusedError, UsageError
 from cellctl.feeding.inventory import Move
@@ -79,6 +80,11 @@ class Books:
             return "A job is under way: cancel it first."
         return ""
 
+    def _why_not_missing(self) -> str:
+        if self._cell.builder.grip is Grip.RELEASING:
+            return "A part is just being let go: say resume, or cancel, before another is missing."
+        return ""
+
     async def _refill(self, parts: int | None) -> str:
         config, counts = self._cell.config, self._cell.builder.ledger.counts
         room = max(0, config.feeder.capacity_parts - counts.belt)
@@ -122,7 +128,7 @@ class Books:
                     f"The part at {_at(place)} cannot stand without the one at {_at(below)}.",
                     "Take it out too, and name both.",
                 )
-        await cell.controller.command(Event.BOOK)
+        await cell.controller.command(Event.BOOK, unless=self._why_not_missing)
         for place in said.cells:
             await cell.record(ActKind.MISSING, at=place, moves=(Move.LOSE_PLACED,))
         return (

@@ -157,6 +157,16 @@ class Builder:
             **evidence.model_dump(),
         )
 
+    def doubt_held(self, sentence: str, believed: PartPlace) -> None:
+        """The part that counts as held may be elsewhere; a person has to look.
+
+        Args:
+            sentence: what is believed, and why.
+            believed: what ``resume`` takes for granted.
+        """
+        assert self.ledger.holding, "only a part that counts as held can be missed"
+        self.doubt = Doubt(act_id=None, kind=ActKind.PLACE, sentence=sentence, believed=believed)
+
     async def recover(self, part: PartPlace, step: Step | None) -> None:
         """An operator says where the part is that was on its way.
 
@@ -178,7 +188,7 @@ class Builder:
                 )
             doubt = Doubt(act_id=None, kind=ActKind.PLACE, sentence="", believed="gripper")
         outcome, moves = moves_to(doubt, part)
-        if part == "cell" and step is None:
+        if part == "cell" and step is None and doubt.act_id is None:
             raise UsageError("No job is under way whose cell the part could be at.")
         if part == "gripper" and self._hands.is_told_open():
             raise UsageError("The latch is open, so the part cannot be in the gripper.")

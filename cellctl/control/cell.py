@@ -236,6 +236,8 @@ class Cell:
         """Keep the job's record in step with the machine, and tell everyone."""
         if after != "starting":
             self.left_starting.set()
+        if before == "paused_moving" and after != before:
+            self.hand.left()
         if after == "idle":
             self.been_idle.set()
         job = self.active_job

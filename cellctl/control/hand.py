@@ -54,6 +54,11 @@ class HandMoves:
                 "The part in the gripper would fall. Hold it, and say `cellctl hand open "
                 "--part-held`; it counts as taken to the stock then."
             )
+        if command.move == "open" and grip in {Grip.LATCHING, Grip.RELEASING}:
+            return (
+                "The latch was cut off in the middle, and only resume knows how far it came: say "
+                "resume, or cancel and then `cellctl recover`."
+            )
         if command.move in {"close", "check_lines"} and grip is not Grip.NOTHING:
             return "There is a part in the gripper."
         if command.move == "above_cell" and command.cell is None:
@@ -80,16 +85,21 @@ class HandMoves:
         command, ended = self._command, self._ended
         assert command is not None, "a hand moves by a command"
         assert ended is not None, "whoever gave it waits for its end"
-        act = await self._journal.intend(ActKind.HAND, "", None, command.cell)
+        try:
+            act = await self._journal.intend(ActKind.HAND, "", None, command.cell)
+        except CellFault as fault:
+            _end(ended, fault)
+            raise
         moves: tuple[Move, ...] = ()
         try:
             message, moves = await self._carry_out(command)
         except asyncio.CancelledError:
             self._journal.settle(act, "interrupted", command.move)
-            _end(ended, RefusedError("The movement was interrupted."))
+            self._doubt_a_part_let_go(command)
             raise
         except CellctlError as error:
             self._journal.settle(act, "failed", f"{command.move}: {error}")
+            self._doubt_a_part_let_go(command)
             _end(ended, error)
             if isinstance(error, CellFault) and error.code != "no_route":
                 raise
@@ -100,9 +110,22 @@ class HandMoves:
                 ended.set_result(message)
         post(Event.HAND_DONE)
 
+    def left(self) -> None:
+        """The machine has left the movement, perhaps before it began: nobody waits any longer."""
+        if self._ended is not None:
+            _end(self._ended, RefusedError("The movement was interrupted."))
+
+    def _doubt_a_part_let_go(self, command: HandCommand) -> None:
+        """A latch that was cut off while it opened may have let its part go, or not."""
+        if command.move == "open" and self._builder.grip is Grip.PART:
+            self._builder.doubt_held(
+                "The part in the gripper was about to be taken out", believed="stock"
+            )
+
     async def _carry_out(self, command: HandCommand) -> tuple[str, tuple[Move, ...]]:
         hands, routes = self._hands, self._hands.routes
-        carrying = self._builder.grip is Grip.PART
+        # What may be in the gripper is as wide and as low as what is.
+        carrying = self._builder.grip is not Grip.NOTHING
         match command.move:
             case "open":
                 await hands.open()
