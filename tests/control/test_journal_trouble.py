@@ -16,12 +16,14 @@ from pathlib import Path
 
 import pytest
 
+from cellctl.clock import SystemClock
 from cellctl.control.acts import ActKind
 from cellctl.control.journal_lock import JournalLock
 from cellctl.control.journal_reader import JournalReader
 from cellctl.control.journal_rescue import Rescue, renew
 from cellctl.control.journal_rows import JOB_COLUMNS, act_row, job_row
 from cellctl.control.journal_schema import MIGRATIONS, SCHEMA_VERSION, create, migrate
+from cellctl.control.journal_store import SqliteJournal
 from cellctl.control.ledger import Ledger
 from cellctl.errors import CellFault, ConfigError
 from cellctl.feeding.inventory import Counts, Move
@@ -297,6 +299,29 @@ def test_damage_to_acts_makes_every_part_unknown(tmp_path: Path) -> None:
     with JournalReader(path) as reader:
         assert {stored.record.outcome for stored in reader.jobs(9)} == {"built", "failed"}
         assert [act.detail for act in reader.acts("job-2")][-1] == "The journal was damaged."
+
+
+def test_a_daemon_goes_on_when_its_journal_was_replaced(tmp_path: Path) -> None:
+    """The one that found it damaged has let go of it, and starts again with the new one."""
+    path = tmp_path / "journal.db"
+    filled(path)
+    _damage(path, b'"act_id":7,"kind":"pick"')
+
+    async def work() -> None:
+        journal = SqliteJournal(path, SystemClock(), FIRST)
+        for _ in range(2):
+            with pytest.raises(CellFault, match="checksum of act 7"):
+                await journal.start()
+        await journal.close()
+        renew(path, FIRST, NOW)
+        await journal.start()
+        try:
+            assert journal.ledger.counts.unknown == FIRST.total
+            await journal.record(ActKind.SETTLE, moves=(Move.FIND,))
+        finally:
+            await journal.close()
+
+    asyncio.run(work())
 
 
 @pytest.mark.parametrize("size", [0, 3000, 20_000])
