@@ -2,9 +2,9 @@
 
 Feeds the ears' pipeline and the recogniser that a cell in English gets, faster than real time, and
 prints: the share of stop words heard, clean and over babble; wake words heard; and what babble,
-music-like sound and noise are mistaken for. Voices: the packaged one and espeak-ng's. Babble is made
-of the recordings in ``$CELLCTL_TEST_DATA/speech`` that are no commands, else of those voices. All of
-them are synthetic and without a room: expect worse from a far microphone.
+music-like sound and noise are mistaken for. Voices: the packaged one and espeak-ng's. Babble is
+made of the recordings in ``$CELLCTL_TEST_DATA/speech`` that are no commands, else of those voices.
+All of them are synthetic and without a room: expect worse from a far microphone.
 """
 
 from __future__ import annotations

@@ -77,6 +77,6 @@ def mixed(speech: Samples, background: Samples, ratio_db: float) -> Samples:
 
 
 def _scaled(sound: npt.NDArray[np.float64], level: float) -> Samples:
-    rms = float(np.sqrt(np.mean(np.square(sound)))) or 1.0
+    rms = float(np.sqrt(np.square(sound).sum() / max(len(sound), 1))) or 1.0
     scaled: Samples = np.clip(sound / rms * level * _FULL_SCALE, -32_768, 32_767).astype(np.int16)
     return scaled

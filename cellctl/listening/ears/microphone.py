@@ -167,7 +167,8 @@ def _find(library: Any, wanted: str) -> tuple[int, str, str]:
         if wanted.lower() in name.lower():
             return number, name, ""
     for source in sound_server.sources() if servers else []:
-        if wanted.lower() in f"{source.name}\n{source.description}".lower():
+        known_as = f"{source.name}\n{source.description}".lower()
+        if wanted.lower() in known_as and not source.monitor:
             # The sound server's library reads this when the stream is opened.
             os.environ["PULSE_SOURCE"] = source.name
             return servers[0], source.description, source.name
