@@ -86,6 +86,7 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
         # A busy machine must not stop the arm; the watchdog is proven elsewhere.
         "robot": base.robot.model_copy(update={"host": "192.168.7.7", "watchdog_hz": 5.0}),
         "feeder": base.feeder.model_copy(update={"port": "/run/cellctl-emulated/conveyor"}),
+        "journal": base.journal.model_copy(update={"path": "/var/lib/cellctl/journal.db"}),
     }
     write_config(base.model_copy(update=changes), target.root / "etc/cellctl/cell.toml")
     (target.root / "opt/cellctl/bar.json").write_bytes(bar(1, 1, 2))
@@ -167,7 +168,7 @@ def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) ->
     wait("a restart", lambda: cell.property_of("cellctl.service", "NRestarts") == "1")
     wait("the daemon", lambda: cell.property_of("cellctl.service", "ActiveState") == "active")
     snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
-    assert len(snapshot["standing"]) == 2
+    assert len(snapshot["standing"]) == 2, f"{snapshot}\n{cell.log_tail()}"
 
     cell.run("systemctl", "stop", "cellctl.service")
     assert cell.property_of("cellctl.service", "Result") == "success"
