@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json as json_module
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,6 +14,7 @@ from cellctl import logs
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
+from cellctl.feeding.inventory import Counts
 from cellctl.sim.client import SimClient
 from cellctl.sim.messages import Argument
 
@@ -39,6 +42,7 @@ def register(app: typer.Typer) -> None:
         from cellctl.sim.process import run_cell  # noqa: PLC0415 - only this command needs it
 
         _end_point(settings)
+        _forget_the_old_world(settings)
         logs.configure()
         asyncio.run(run_cell(settings, speed if speed is not None else settings.cell.clock_rate))
 
@@ -73,6 +77,29 @@ def register(app: typer.Typer) -> None:
         """Print what is the case in the emulated cell, as JSON."""
         with SimClient(_end_point(context.obj)) as world:
             typer.echo(world.truth().model_dump_json(indent=2))
+
+
+def _forget_the_old_world(settings: CellConfig) -> None:
+    """The emulated world begins anew, so what a journal says of an earlier one is void."""
+    from cellctl.control.journal_lock import JournalLock  # noqa: PLC0415 - heavy
+    from cellctl.control.journal_rescue import start_anew  # noqa: PLC0415 - heavy
+
+    path = Path(settings.journal.path)
+    if not path.exists():
+        return
+    if JournalLock(path).holder() is not None:
+        typer.echo(
+            "A daemon runs already and remembers another world: empty its workspace with "
+            "`cellctl clear` and count its parts with `cellctl inventory set`.",
+            err=True,
+        )
+        return
+    aside = start_anew(
+        path,
+        Counts.at_first(settings.limits.inventory_parts, settings.feeder.capacity_parts),
+        datetime.now(UTC),
+    )
+    typer.echo(f"A new world begins: the journal of the last one is {aside} now.", err=True)
 
 
 def _end_point(settings: CellConfig) -> str:
