@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cellctl.assembling.frames import Frames
@@ -165,6 +165,8 @@ def test_no_step_leads_closer_and_there_is_always_one_that_leads_on(
 ) -> None:
     tower = frozenset(Cell(2, 2, z) for z in range(height))
     start = at(x_m, y_m, z_m)
+    # Where the gripper were deeper in a part than that, no part can be: the books are wrong.
+    assume(min(gap_m(position_m(start), part) for part in tower) > -0.02)
     open_ways = 0
     for delta_m in STEPS:
         try:

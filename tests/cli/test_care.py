@@ -17,7 +17,7 @@ from tests.cell.harness import CONFIG, RunningCell, running_cell
 from tests.cli.terminal import Terminal
 from tests.cli.test_commands import cellctl
 
-SPEED = 20.0
+SPEED = 12.0
 PROMPT = "[y]es, [n]o, [s]kip: "
 
 
