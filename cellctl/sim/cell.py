@@ -7,6 +7,7 @@ from typing import Any
 
 import structlog
 
+from cellctl.assembly import Cell
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
 from cellctl.sim.conveyor import ConveyorEmulator
@@ -177,6 +178,8 @@ class EmulatedCell:
                 self.world.remove_next_part()
             case "drop":
                 self.world.drop_held_part()
+            case "take_placed":
+                self.world.take_placed_part(Cell(values["x"], values["y"], values["z"]))
 
 
 def _checked(name: str, arguments: Arguments) -> tuple[Fault, dict[str, Any]]:

@@ -201,6 +201,15 @@ _ROBOT = (
         remedy="Switch it back.",
     ),
     Fault(
+        "speed_slider",
+        Device.ROBOT,
+        "speed_slider",
+        "Somebody moves the speed slider on the pendant.",
+        (Parameter("fraction", float, "its new place, from 0 to 1", 0.02),),
+        once=True,
+        remedy="Move it back: inject it with fraction 1.",
+    ),
+    Fault(
         "reduced_mode",
         Device.ROBOT,
         "reduced_mode",
@@ -343,6 +352,19 @@ _WORLD = (
         "The part in the gripper slips out and falls.",
         once=True,
         remedy="Clear the workspace.",
+    ),
+    Fault(
+        "part_taken",
+        Device.WORLD,
+        "take_placed",
+        "A visitor takes a part off the structure along.",
+        (
+            Parameter("x", int, "the cell of the part along x", required=True),
+            Parameter("y", int, "along y", required=True),
+            Parameter("z", int, "its layer; 0 on the floor", required=True),
+        ),
+        once=True,
+        remedy="Tell the cell that it is missing.",
     ),
 )
 

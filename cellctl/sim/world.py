@@ -275,6 +275,18 @@ class World:
             self._held = self._bond = None
             self._settle()
 
+    def take_placed_part(self, cell: Cell) -> None:
+        """A visitor takes a part off the structure along; what cannot hold without it falls.
+
+        Raises:
+            ValueError: there is no part at that cell.
+        """
+        if cell not in self._placed:
+            raise ValueError(f"no part stands at {tuple(cell)}")
+        self._handed_over.append(self._placed.pop(cell))
+        self._drop_what_cannot_hold(None)
+        self._settle()
+
     # ---- truth ----
 
     @property

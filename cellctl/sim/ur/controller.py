@@ -130,6 +130,7 @@ class UrController:
             "tcp_changed": self._change_tcp,
             "tool_voltage_changed": self._change_tool_voltage,
             "output_changed": self._change_output,
+            "speed_slider": self._move_slider,
         }
         states: dict[str, Callable[..., None]] = {
             "safeguard_stop": self.robot.set_safeguard,
@@ -181,6 +182,11 @@ class UrController:
     def _change_output(self, line: int, high: bool = False) -> None:
         _check_line(line)
         self.robot.lines.switch(line, high)
+
+    def _move_slider(self, fraction: float = 0.02) -> None:
+        if not 0.0 <= fraction <= 1.0:
+            raise UsageError(f"The speed slider goes from 0 to 1, not to {fraction:g}.")
+        self.robot.arm.slider = fraction
 
     def _reduce(self, active: bool) -> None:
         self.robot.safety.reduced = active

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import random
+
 from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from cellctl.sim.world import World
 from cellctl.sim.world_values import Imperfections, Where
@@ -62,6 +64,11 @@ class AnyLife(RuleBasedStateMachine):
     @rule()
     def empty(self) -> None:
         self.hand.world.empty_belt()
+
+    @precondition(lambda self: self.hand.world.built)
+    @rule(chance=st.randoms(use_true_random=False))
+    def take_along(self, chance: random.Random) -> None:
+        self.hand.world.take_placed_part(chance.choice(sorted(self.hand.world.built)))
 
     @invariant()
     def every_part_is_in_one_place(self) -> None:

@@ -291,6 +291,19 @@ def test_people_move_parts_too_and_none_is_lost(hand: Hand) -> None:
     assert hand.world.refill_belt() == 0
 
 
+def test_a_visitor_takes_a_part_along_and_what_it_held_falls(hand: Hand) -> None:
+    for cell in [(0, 0, 0), (0, 0, 1), (1, 1, 0)]:
+        hand.place(*cell)
+    hand.world.take_placed_part(Cell(1, 1, 0))
+    assert hand.world.violations == []
+    assert hand.world.counts()[Where.HANDED_OVER] == 1
+    hand.world.take_placed_part(Cell(0, 0, 0))
+    assert hand.world.built == frozenset()
+    assert [violation.kind for violation in hand.world.violations] == [ViolationKind.LOST_SUPPORT]
+    with pytest.raises(ValueError, match="no part stands"):
+        hand.world.take_placed_part(Cell(0, 0, 0))
+
+
 def test_the_same_seed_gives_the_same_world() -> None:
     rough = Imperfections(
         belt_slip=0.3, pitch_drift_m=0.01, yawed_share=0.2, missing_share=0.1, sticky_share=0.2
