@@ -18,6 +18,10 @@ _LEVEL = 0.08
 """Root mean square of the louder sounds, of full scale: -22 dB, as loud as somebody speaking."""
 
 
+_SILENT = 300
+"""Samples below this are the silence around speech."""
+
+
 def noise(seconds: float, seed: int, level: float = _LEVEL) -> Samples:
     """Pink-like noise, as of a ventilator.
 
@@ -67,9 +71,15 @@ def babble(sentences: Sequence[Samples], seconds: float, seed: int, voices: int 
 
 
 def mixed(speech: Samples, background: Samples, ratio_db: float) -> Samples:
-    """Speech over a background that is ``ratio_db`` weaker, by their mean power."""
+    """Speech over a background that is ``ratio_db`` weaker, by their mean power.
+
+    Args:
+        speech: what is silent in it does not count.
+        background: at least as long.
+    """
     below = background[: len(speech)].astype(np.float64)
-    power = float(np.mean(np.square(speech.astype(np.float64))))
+    loud = speech[np.abs(speech.astype(np.int32)) > _SILENT].astype(np.float64)
+    power = float(np.mean(np.square(loud))) if len(loud) else 0.0
     below_power = max(float(np.mean(np.square(below))), 1.0)
     gain = (power / below_power / 10.0 ** (ratio_db / 10.0)) ** 0.5
     both: Samples = np.clip(speech + gain * below, -32_768, 32_767).astype(np.int16)

@@ -41,7 +41,7 @@ def spoken_to(
     server, voice = folder / "server", folder / "voice"
     server.mkdir(mode=0o700)
     voice.mkdir()
-    sections: dict[str, dict[str, Any]] = {
+    sections: dict[str, Any] = {
         # Cell time, which passes quickly here.
         "policy": {"confirmation": "ask", "confirmation_timeout_s": 60.0 * speed},
         "hearing": {"microphone": "", "activation": activation},
