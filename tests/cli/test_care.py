@@ -28,10 +28,13 @@ def cell() -> Iterator[RunningCell]:
 
 
 @pytest.fixture
-def file(cell: RunningCell, tmp_path: Path) -> Path:
+def file(cell: RunningCell, tmp_path: Path) -> Iterator[Path]:
     path = tmp_path / "cell.toml"
     write_config(cell.config, path)
-    return path
+    yield path
+    # A test that failed leaves the cell for the next one as it found it.
+    if cell.client.snapshot().state.state != "idle":
+        cell.bring_back()
 
 
 def examined(config: Path) -> tuple[int, dict[str, Finding]]:
