@@ -51,7 +51,12 @@ def evidence(**said: bool | int) -> Evidence:
 
 def all_evidence() -> Iterator[Evidence]:
     """Everything that devices can say; the arm is in one place at a time."""
-    arm = ({"at_station": True}, {"at_cell": True}, {"risen": True}, {})
+    arm: tuple[dict[str, bool], ...] = (
+        {"at_station": True},
+        {"at_cell": True},
+        {"risen": True},
+        {},
+    )
     for latched, told_open, part, indexes, where in itertools.product(
         (False, True), (False, True), (False, True), (0, PICKED_AT, PICKED_AT + 1), arm
     ):
