@@ -29,6 +29,7 @@ _GLANCE_FRAMES = 400
 3000; with so few it stutters ("Stop. Stop. Stop."), and takes a tenth of the time."""
 _GLANCE_TOKENS = 8
 _STOPS = frozenset({"stop", "halt"})
+_BESIDE_STOP = frozenset({"it", "now", "please", "that", "everything"})
 
 PROMPT = (
     "Build me a stool with four legs, a shelf with two tiers, a table with one leg, the letter T, "
@@ -103,7 +104,8 @@ class WhisperRecogniser:
             return_no_speech_prob=True,
         )[0]
         words = re.findall("[a-z]+", tokenizer.decode(found.sequences_ids[0]).lower())
-        return bool(words) and set(words) <= _STOPS and found.no_speech_prob < MAX_NO_SPEECH
+        only_stop = bool(_STOPS & set(words)) and set(words) <= _STOPS | _BESIDE_STOP
+        return only_stop and found.no_speech_prob < MAX_NO_SPEECH
 
 
 def _load(folder: Path) -> WhisperModel:
