@@ -14,7 +14,15 @@ from cellctl.assembly import Assembly, Role
 from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
-from cellctl.messages import CountCommand, JobData, RefillCommand, Snapshot, StatusMessage
+from cellctl.messages import (
+    CountCommand,
+    HandCommand,
+    HandMove,
+    JobData,
+    RefillCommand,
+    Snapshot,
+    StatusMessage,
+)
 from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated
 from cellctl.sim.messages import CellTruth
@@ -99,8 +107,8 @@ class RunningCell:
                 states.append(top)
         return states
 
-    def assert_as_planned(self) -> None:
-        """The world equals the plan, and holds nothing against the cell."""
+    def assert_as_planned(self, taken: int = 0) -> None:
+        """The world equals the plan, and holds nothing against the cell; the inventory is right."""
         plan = self.client.snapshot().plan
         assert plan is not None
         truth = self.truth()
@@ -108,10 +116,20 @@ class RunningCell:
         held = truth.violations[self.held_before :]
         assert not held, f"the world holds against the cell: {held}"
         assert sum(truth.counts.values()) == self.config.limits.inventory_parts
-        self.assert_inventory_true()
+        self.assert_inventory_true(taken)
 
-    def assert_inventory_true(self) -> None:
-        """The daemon's inventory is where the world's parts are; what fell counts as unknown."""
+    def hand(self, move: HandMove, **details: Any) -> str:
+        """Move something by an operator's hand; returns what was done."""
+        return self.client.request(
+            HandCommand(move=move, **details), timeout_s=self.patience_s
+        ).message
+
+    def assert_inventory_true(self, taken: int = 0) -> None:
+        """The daemon's inventory is where the world's parts are; what fell counts as unknown.
+
+        Args:
+            taken: how many parts visitors took unseen, which are unknown to the cell as well.
+        """
         believed = self.client.snapshot().inventory
         counts = self.truth().counts
         assert believed == {
@@ -119,9 +137,9 @@ class RunningCell:
             "belt": counts[Where.BELT] + counts[Where.PICK_STATION],
             "gripper": counts[Where.GRIPPER],
             "structure": counts[Where.PLACED],
-            "handed_over": counts[Where.HANDED_OVER],
+            "handed_over": counts[Where.HANDED_OVER] - taken,
             "scrap": 0,
-            "unknown": counts[Where.FALLEN],
+            "unknown": counts[Where.FALLEN] + taken,
         }
 
     def bring_back(self) -> None:
@@ -151,13 +169,22 @@ class RunningCell:
             self.client.request(RefillCommand())
         self.count()
 
+    def refill(self, parts: int | None = None) -> None:
+        """A person lays parts on the belt and says so; as many as it takes without a number."""
+        self.client.request(RefillCommand(parts=self.world.refill(parts)))
+
     def count(self) -> None:
         """A person counts all parts and tells it, if the inventory is not right."""
         counts = self.truth().counts
-        belt = counts[Where.BELT] + counts[Where.PICK_STATION]
+        found = {
+            "stock": counts[Where.STOCK],
+            "belt": counts[Where.BELT] + counts[Where.PICK_STATION],
+            "handed_over": counts[Where.HANDED_OVER],
+            "scrap": 0,
+        }
         believed = self.client.snapshot().inventory
-        if (believed["stock"], believed["belt"]) != (counts[Where.STOCK], belt):
-            self.client.request(CountCommand(stock=counts[Where.STOCK], belt=belt, scrap=0))
+        if any(believed[place] != count for place, count in found.items()):
+            self.client.request(CountCommand.model_validate(found))
 
 
 def cell_config(**sections: dict[str, Any]) -> CellConfig:
