@@ -155,6 +155,7 @@ class RunningCell:
             self.client.command("stop")
             if self.wait_state("paused_resting", "idle").state.state == "paused_resting":
                 self.client.command("cancel")
+                self.wait_state("paused_resting")
                 self.client.command("resume")
             self.wait_state("idle")
         self.clear_workspace()
