@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -15,7 +16,6 @@ from typing import Any
 import zmq
 import zmq.asyncio
 from pydantic import ValidationError
-from pydantic_core import from_json
 
 from cellctl.assembly import Role
 from cellctl.messages import (
@@ -179,8 +179,8 @@ class _NotTakenError(Exception):
 def _id_of(document: bytes) -> str:
     """The id of a request, however wrong the rest of it may be; else a question mark."""
     try:
-        found = from_json(document)
-    except ValueError:
+        found = json.loads(document)
+    except (ValueError, RecursionError):
         return "?"
     name = found.get("id") if isinstance(found, dict) else None
     return name if isinstance(name, str) and 1 <= len(name) <= 64 else "?"

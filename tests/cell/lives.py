@@ -23,7 +23,7 @@ from tests.cell.harness import PATIENCE_S, bar, cell_config
 
 _REPLY_S = 1.0
 """A daemon that dies does not answer; longer is not waited for (wall time)."""
-_POLL_S = 0.01
+_POLL_S = 0.05
 
 
 @dataclass
@@ -108,7 +108,7 @@ class Life:
         while snapshot := self._snapshot():
             state = snapshot.state.state
             if state == "starting":
-                time.sleep(_POLL_S)
+                self._listen()
                 continue
             assert state in {"idle", "paused_resting"}, f"{state}: {snapshot.fault}"
             assert not snapshot.doubt, snapshot.doubt
@@ -150,7 +150,7 @@ class Life:
                     completed = self._begin_anew(snapshot) or completed
             except (NoDaemonError, RefusedError):  # it dies, or has gone on by itself
                 continue
-            time.sleep(_POLL_S)
+            self._listen()
         return completed
 
     def _begin_anew(self, snapshot: Snapshot) -> bool:
@@ -173,6 +173,11 @@ class Life:
             lives.untold = False
         self.client.build("bar.json", bar(*lives.parts))
         return completed
+
+    def _listen(self) -> None:
+        """Wait a little, or until something happens."""
+        for _ in self.client.messages(_POLL_S):
+            return
 
     def _snapshot(self) -> Snapshot | None:
         """What the daemon says; None when it is dead."""

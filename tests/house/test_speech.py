@@ -112,17 +112,15 @@ def test_every_link_in_the_docs_leads_somewhere() -> None:
 
 
 def test_no_test_sleeps() -> None:
-    """A test waits for the thing itself, with a deadline."""
+    """A test waits for the thing itself, with a deadline; a short nap between two looks is none."""
     sleeping = [
         f"{name}:{node.lineno}"
         for name, tree in modules().items()
         if name.startswith("tests/") and name not in SLEEPS_ON_PURPOSE
         for node in ast.walk(tree)
         if isinstance(node, ast.Call)
-        and (
-            (ast.unparse(node.func) == "asyncio.sleep" and not _is_poll(node.args[0]))
-            or ast.unparse(node.func) == "time.sleep"
-        )
+        and ast.unparse(node.func) in {"asyncio.sleep", "time.sleep"}
+        and not _is_poll(node.args[0])
     ]
     assert sleeping == []
 
