@@ -110,7 +110,7 @@ def wait(what: str, holds: Callable[[], bool], patience_s: float = 40.0) -> None
     deadline_s = time.monotonic() + patience_s
     while not holds():
         assert time.monotonic() < deadline_s, f"waited in vain for {what}"
-        time.sleep(0.1)
+        time.sleep(0.05)
 
 
 def built(cell: Machine) -> bool:
