@@ -116,6 +116,14 @@ _ROBOT = (
         remedy="Send the program again.",
     ),
     Fault(
+        "power_lost",
+        Device.ROBOT,
+        "power_lost",
+        "The robot's controller loses power for a moment: outputs are low, and the arm is off.",
+        once=True,
+        remedy="Power the arm on, release its brakes, and connect again.",
+    ),
+    Fault(
         "drop_connections",
         Device.ROBOT,
         "drop_connections",

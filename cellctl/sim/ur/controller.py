@@ -126,6 +126,7 @@ class UrController:
             "protective_stop": self._protective_stop,
             "drop_connections": self._drop_connections,
             "kill_program": self._kill_program,
+            "power_lost": self._lose_power,
             "payload_changed": self._change_payload,
             "tcp_changed": self._change_tcp,
             "tool_voltage_changed": self._change_tool_voltage,
@@ -163,6 +164,10 @@ class UrController:
 
     def _kill_program(self) -> None:
         self.robot.end_program("killed")
+
+    def _lose_power(self) -> None:
+        self.robot.lose_power()
+        self._drop_connections(reset=True)
 
     def _drop_connections(self, *, reset: bool = False) -> None:
         for server in self._servers:

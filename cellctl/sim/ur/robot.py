@@ -257,6 +257,14 @@ class Robot:
         self.end_program("power off")
         self._powering_down = True
 
+    def lose_power(self) -> None:
+        """The controller's supply fails for a moment: brakes fall in, outputs are low, and after
+        its start the arm is off."""
+        self.end_program("power lost")
+        self.arm.brake("power lost", self.options.emergency_stop_rad_s2)
+        self.safety.power_off()
+        self.lines.outputs = 0
+
     def release_brakes(self) -> bool:
         """Release the brakes; False if an emergency stop is pressed."""
         return self.safety.release_brakes()
