@@ -146,7 +146,7 @@ def options_page() -> str:
 
 def faults_page() -> str:
     """The catalogue of faults."""
-    severities = attribute_docs(errors)
+    meanings = attribute_docs(errors)
     parts = [
         NOTE,
         "# Faults\n",
@@ -156,16 +156,36 @@ def faults_page() -> str:
         _table(
             ["state", "meaning"],
             [
-                [f"`fault_{severity.value}`", severities["Severity", severity.name]]
+                [f"`fault_{severity.value}`", meanings["Severity", severity.name]]
                 for severity in errors.Severity
+            ],
+        ),
+        "What the cell does by itself before a person comes is its policy:\n",
+        _table(
+            ["policy", "meaning"],
+            [[f"`{policy.value}`", meanings["Policy", policy.name]] for policy in errors.Policy],
+        ),
+        "All of them:\n",
+        _table(
+            ["code", "what happened", "policy", "leads to", "cleared by", "then"],
+            [
+                [
+                    f"[{entry.code}](#{entry.code})",
+                    entry.title,
+                    f"`{entry.policy.value}`",
+                    f"`{entry.leads_to}`",
+                    entry.cleared_by.value,
+                    "`paused_resting`",
+                ]
+                for entry in errors.CATALOGUE.values()
             ],
         ),
     ]
     for entry in errors.CATALOGUE.values():
         parts += [
             f"## {entry.code}\n",
-            f"**{entry.title}** State `fault_{entry.severity.value}`, "
-            f"cleared by the {entry.cleared_by.value}.\n",
+            f"**{entry.title}** Policy `{entry.policy.value}`, state `{entry.leads_to}`, "
+            f"cleared by the {entry.cleared_by.value}, who resets to `paused_resting`.\n",
             "Likely causes:\n",
             "\n".join(f"- {cause}" for cause in entry.causes) + "\n",
             f"What to do: {entry.remedy}\n",

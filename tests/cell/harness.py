@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cellctl.assembly import Assembly, Role
-from cellctl.cli.daemon_process import running_daemon, wait_idle
+from cellctl.cli.daemon_process import DaemonProcess, running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
 from cellctl.messages import (
@@ -43,6 +43,7 @@ class RunningCell:
     world: SimClient
     client: CellClient
     visitor: CellClient
+    daemon: DaemonProcess
     seen: list[StatusMessage] = field(default_factory=list)
     patience_s: float = PATIENCE_S
     held_before: int = 0
@@ -217,18 +218,28 @@ def running_cell(
         own = isolated(config, Path(name), speed)
         with (
             emulated_cell(own, speed) as world,
-            running_daemon(own, Path(name)) as daemon,
-            CellClient.for_role(own) as client,
-            CellClient.for_role(own, Role.VISITOR) as visitor,
+            watched_daemon(own, Path(name), world, patience_s) as cell,
         ):
-            client.subscribe()
-            cell = RunningCell(own, world, client, visitor, patience_s=patience_s)
-            try:
-                wait_idle(client, daemon)
-                yield cell
-            except BaseException:
-                print(daemon.log_tail(6000))  # noqa: T201 - pytest shows it
-                raise
+            wait_idle(cell.client, cell.daemon)
+            yield cell
+
+
+@contextmanager
+def watched_daemon(
+    config: CellConfig, folder: Path, world: SimClient, patience_s: float = PATIENCE_S
+) -> Iterator[RunningCell]:
+    """A daemon that has just begun to start, for an emulated cell that runs already."""
+    with (
+        running_daemon(config, folder) as daemon,
+        CellClient.for_role(config) as client,
+        CellClient.for_role(config, Role.VISITOR) as visitor,
+    ):
+        client.subscribe()
+        try:
+            yield RunningCell(config, world, client, visitor, daemon, patience_s=patience_s)
+        except BaseException:
+            print(daemon.log_tail(6000))  # noqa: T201 - pytest shows it
+            raise
 
 
 def bar(nx: int, ny: int, nz: int) -> bytes:

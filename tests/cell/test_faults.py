@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from cellctl.errors import CATALOGUE, RefusedError
 from cellctl.listening.voice import speak_to_wav
 from cellctl.sim.world_values import Imperfections, ViolationKind
-from tests.cell.harness import RunningCell, bar, running_cell
+from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset_and_resume
+from tests.cell.harness import RunningCell, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 
@@ -33,38 +33,6 @@ def idle(cell: RunningCell) -> Iterator[RunningCell]:
     cell.clear_workspace()
 
 
-def begin(cell: RunningCell, height: int = 2) -> None:
-    cell.client.build("bar.json", bar(1, 1, height))
-
-
-def expect_fault(cell: RunningCell, code: str) -> None:
-    """The cell is in a fault of that code, says so, and nothing moves."""
-    snapshot = cell.wait("a fault", lambda now: now.fault.entry is not None)
-    assert snapshot.fault.entry is not None
-    assert snapshot.fault.entry.code == code
-    entry = CATALOGUE[code]
-    snapshot = cell.wait_state(f"fault_{entry.severity.value}")
-    assert entry.title in snapshot.state.sentence
-    assert entry.remedy in snapshot.state.sentence
-    for command in ("resume", "pause", "cancel"):
-        with pytest.raises(RefusedError):
-            cell.client.command(command)
-    still = cell.wait("rest", lambda now: not now.arm.moving)
-    assert still.arm.joints_rad == pytest.approx(cell.client.snapshot().arm.joints_rad, abs=1e-4)
-
-
-def reset_and_resume(cell: RunningCell) -> None:
-    cell.client.command("reset")
-    snapshot = cell.wait_state("paused_resting")
-    assert snapshot.fault.entry is None
-    cell.client.command("resume")
-
-
-def finish_as_planned(cell: RunningCell) -> None:
-    assert cell.finish().outcome == "built"
-    cell.assert_as_planned()
-
-
 def test_an_empty_belt(idle: RunningCell) -> None:
     idle.world.inject("belt_empty")
     begin(idle)
@@ -75,7 +43,7 @@ def test_an_empty_belt(idle: RunningCell) -> None:
 
 
 def test_a_jammed_belt(idle: RunningCell) -> None:
-    begin(idle, height=3)
+    begin(idle, nz=3)
     idle.wait_mid_place()
     idle.world.inject("belt_jam")
     expect_fault(idle, "belt_jam")
@@ -222,7 +190,7 @@ def test_an_imperfect_belt(idle: RunningCell) -> None:
     rough = Imperfections(belt_slip=0.2, pitch_drift_m=0.02, missing_share=0.2, sticky_share=0.3)
     idle.world.set_imperfections(rough, relay=True)
     idle.count()  # gaps on the belt leave parts in the stock
-    begin(idle, height=4)
+    begin(idle, nz=4)
     assert idle.finish().outcome == "built"
     idle.assert_as_planned()
     idle.world.set_imperfections(Imperfections(), relay=True)

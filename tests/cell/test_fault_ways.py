@@ -1,0 +1,173 @@
+"""Faults that people bring about, or that need a person to look: each left by its documented way.
+
+``tests/house/test_fault_list.py`` keeps the list of all codes and of the tests that provoke them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from cellctl.assembly import Cell
+from cellctl.messages import CountCommand, MissingCommand, RecoverCommand
+from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset, reset_and_resume
+from tests.cell.harness import RunningCell, running_cell
+
+pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[RunningCell]:
+    with running_cell(
+        speed=10.0,
+        limits={"inventory_parts": 12},
+        feeder={"capacity_parts": 4},
+        robot={"move_timeout_factor": 1.2},
+        policy={"confirmation": "waived", "refill_timeout_s": 40.0},
+    ) as running:
+        yield running
+
+
+@pytest.fixture
+def idle(cell: RunningCell) -> Iterator[RunningCell]:
+    """An idle cell, and afterwards proof that the same daemon still builds."""
+    cell.begin_test()
+    yield cell
+    cell.bring_back()
+    cell.begin_test()
+    begin(cell, nz=1)
+    finish_as_planned(cell)
+    cell.clear_workspace()
+
+
+def hold_unconfirmed(cell: RunningCell) -> None:
+    """A build that is paused while the latch has closed, and nobody has confirmed it."""
+    cell.world.inject("gripper_silent")
+    begin(cell)
+    expect_fault(cell, "gripper_silent")
+    cell.world.clear("gripper_silent")
+    reset(cell)
+    assert cell.client.snapshot().gripper.holding == "latching"
+
+
+def test_nobody_refills_the_belt(idle: RunningCell) -> None:
+    begin(idle, 5, 1, 1)
+    idle.wait_state("feeding_refilling")
+    expect_fault(idle, "belt_empty")
+    assert idle.client.snapshot().fault.during == "feeding_refilling"
+    idle.refill()
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+@pytest.mark.parametrize("swapped", ["board_role", "board_protocol"])
+def test_another_board_is_on_the_conveyors_port(idle: RunningCell, swapped: str) -> None:
+    idle.world.inject(swapped)
+    begin(idle, nz=1)
+    expect_fault(idle, "belt_mismatch")
+    idle.client.command("reset")
+    expect_fault(idle, "belt_mismatch")  # nobody has plugged in the right one
+    idle.world.clear(swapped)
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_the_latch_holds_something_that_nobody_knows_of(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_state("assembling_placing")
+    idle.client.command("pause")
+    idle.wait_state("paused_resting")
+    idle.hand("home")
+    idle.hand("close")
+    idle.client.command("cancel")
+    expect_fault(idle, "gripper_holds")
+    idle.world.inject("output_changed", line=0, high=True)
+    reset_and_resume(idle)
+    assert idle.finish().outcome == "cancelled"
+    assert len(idle.truth().built) == 1
+    idle.assert_inventory_true()
+
+
+def test_the_arm_is_moved_while_the_latch_is_not_confirmed(idle: RunningCell) -> None:
+    hold_unconfirmed(idle)
+    idle.hand("rise")
+    idle.client.command("resume")
+    expect_fault(idle, "arm_moved")
+    reset(idle)
+    idle.client.command("cancel")
+    snapshot = idle.wait_state("paused_resting")
+    assert "it seems, but the arm was moved" in snapshot.state.sentence
+    assert snapshot.doubt
+    idle.client.request(RecoverCommand(part="gripper"))
+    snapshot = idle.client.snapshot()
+    assert (snapshot.doubt, snapshot.gripper.holding) == ("", "part")
+    idle.client.command("resume")
+    idle.wait_state("idle")
+    idle.assert_inventory_true()
+
+
+def test_a_part_stands_over_the_cell_where_another_must_go(idle: RunningCell) -> None:
+    begin(idle, 2, 1, 3)
+    idle.wait_state("feeding_refilling")
+    idle.visitor.command("stop")
+    below = min(idle.wait_state("paused_resting").standing)
+    take_out(idle, below)  # the one above it hangs on its neighbour
+    idle.refill()
+    idle.client.command("resume")
+    expect_fault(idle, "no_route")
+    assert idle.client.snapshot().gripper.holding == "part"
+    take_out(idle, below._replace(z=1))
+    reset_and_resume(idle)
+    finish_as_planned(idle, taken=2)
+
+
+def take_out(cell: RunningCell, place: Cell) -> None:
+    """Somebody takes a part off the structure, and the operator tells it."""
+    cell.world.inject("part_taken", x=place.x, y=place.y, z=place.z)
+    cell.client.request(MissingCommand(cells=(place,)))
+
+
+def test_the_speed_slider_is_down(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_mid_place()
+    idle.world.inject("speed_slider", fraction=0.005)
+    expect_fault(idle, "motion_timeout")
+    idle.world.inject("speed_slider", fraction=1.0)
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+@pytest.mark.parametrize("changed", ["tcp_changed", "payload_changed"])
+def test_the_robots_settings_were_changed_on_the_pendant(idle: RunningCell, changed: str) -> None:
+    idle.world.inject(changed)
+    begin(idle, nz=1)
+    expect_fault(idle, "robot_mismatch")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_the_pendant_is_switched_to_local(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait_mid_place()
+    idle.world.inject("local_control")
+    expect_fault(idle, "local_control")
+    idle.client.command("reset")
+    expect_fault(idle, "local_control")
+    idle.world.clear("local_control")
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_the_inventory_rules_out_what_the_arm_has_done(idle: RunningCell) -> None:
+    hold_unconfirmed(idle)
+    counts = idle.client.snapshot().inventory
+    wrong = CountCommand(stock=counts["stock"] + counts["belt"], belt=0)
+    right = CountCommand(stock=counts["stock"], belt=counts["belt"])
+    idle.client.request(wrong)  # although a part of the belt is in the latch
+    idle.client.command("resume")
+    expect_fault(idle, "internal")
+    assert "counts no part in belt" in idle.client.snapshot().fault.detail
+    idle.client.request(right)
+    reset_and_resume(idle)
+    finish_as_planned(idle)
