@@ -88,8 +88,9 @@ def stops(settings: HearingSection, folder: Path, voices: list[str]) -> None:
         said = heard = glanced = 0
         delays_s = []
         for number, (text, voice) in enumerate((t, v) for t in STOPS for v in voices):
-            quiet = sounds.noise(2.0, number, 0.0006)
-            sound = np.concatenate([quiet, say(text, voice, folder), quiet])
+            before = sounds.noise(8.0, number, 0.0006)
+            after = sounds.noise(2.0, number, 0.0006)
+            sound = np.concatenate([before, say(text, voice, folder), after])
             if ratio_db is not None:
                 background = sounds.babble(people, len(sound) / 16_000 + 0.1, number)
                 sound = sounds.mixed(sound, background, ratio_db)

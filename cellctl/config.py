@@ -210,7 +210,7 @@ class HearingSection(Section):
     activation: Literal["wake_word", "push_to_talk", "open"] = "wake_word"
     """What makes a sentence a request: the wake word, `cellctl listen`, or nothing. Either of the
     first two leaves the button at work."""
-    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "hey_mycroft"
+    wake_word: Literal["okay_nabu", "hey_jarvis", "hey_mycroft", "alexa"] = "okay_nabu"
     """The phrase that is waited for."""
     max_audio_s: Annotated[float, Field(ge=1.0, le=120.0)] = 30.0
     """Longer recordings are refused."""

@@ -44,7 +44,8 @@ def spoken_to(
     sections: dict[str, Any] = {
         # Cell time, which passes quickly here.
         "policy": {"confirmation": "ask", "confirmation_timeout_s": 60.0 * speed},
-        "hearing": {"microphone": "", "activation": activation},
+        # The packaged voice is understood by this one.
+        "hearing": {"microphone": "", "activation": activation, "wake_word": "hey_mycroft"},
     }
     try:
         with VirtualMicrophone(server) as microphone, pytest.MonkeyPatch.context() as patch:

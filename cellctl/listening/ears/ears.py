@@ -37,7 +37,7 @@ START_TIMEOUT_S = 20.0
 """For the process to start and to load its detectors (wall time)."""
 DOUBT_S = 1.5
 """A process that is silent for so long is told to be lost (wall time) ..."""
-SILENCE_S = 4.0
+SILENCE_S = 6.0
 """... and killed after so long."""
 RESTART_WAITS_S = (0.5, 1.0, 2.0, 5.0)
 """Before the process is started again; the last one for ever. Begins anew after a minute's life."""

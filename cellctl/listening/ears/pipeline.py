@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 
+import numpy as np
+
 from cellctl.listening.ears.detectors import (
     CHUNK_BYTES,
     CHUNK_SAMPLES,
@@ -30,6 +32,13 @@ SPEECH_BEGINS = 0.5
 """Probability from which a chunk is speech, after silence."""
 SPEECH_ENDS = 0.35
 """Probability below which it is none any more, after speech."""
+FOREGROUND = 2.5
+"""How much louder than the background speech has to be, as a ratio of levels: 8 dB. Other people
+who talk further off are speech too, and would hide where a sentence ends."""
+BACKGROUND_S = 10.0
+"""The background is what is exceeded for four fifths of this time."""
+_BACKGROUND_SHARE = 0.2
+_BACKGROUND_LEAST_S = 1.0
 BEFORE_S = 0.32
 """Sound that is kept from before the first speech: a soft consonant is no speech yet."""
 REQUEST_SILENCE_S = 0.6
@@ -77,6 +86,7 @@ class Pipeline:
         self._activated_s = 0.0
         self._woken_s = -WAKE_WORD_PAUSE_S
         self._before: deque[bytes] = deque(maxlen=round(BEFORE_S / CHUNK_S))
+        self._levels: deque[float] = deque(maxlen=round(BACKGROUND_S / CHUNK_S))
         self._spoken: deque[bytes] = deque()
         self._speech_s = 0.0
         self._speech_end_s = 0.0
@@ -131,7 +141,8 @@ class Pipeline:
             self.listen("wake_word")
         talking = bool(self._spoken)
         probability = self._speech.probability(chunk)
-        if probability >= (SPEECH_ENDS if talking else SPEECH_BEGINS):
+        near = self._is_near(chunk)
+        if near and probability >= (SPEECH_ENDS if talking else SPEECH_BEGINS):
             if not talking:
                 self._spoken.extend(self._before)
             self._speech_s += CHUNK_S
@@ -148,6 +159,16 @@ class Pipeline:
             segment = self._cut()
             if segment is not None:
                 yield segment
+
+    def _is_near(self, chunk: bytes) -> bool:
+        """Whether this is louder than what goes on in the background all the time."""
+        samples = np.frombuffer(chunk, dtype=np.int16).astype(np.float64)
+        level = float(np.sqrt(np.square(samples).mean()))
+        self._levels.append(level)
+        if len(self._levels) * CHUNK_S < _BACKGROUND_LEAST_S:
+            return True
+        background = sorted(self._levels)[int(_BACKGROUND_SHARE * len(self._levels))]
+        return level >= FOREGROUND * background
 
     def _wakes(self, chunk: bytes) -> bool:
         if self._wake_word is None or not self._wake_word.heard(chunk):

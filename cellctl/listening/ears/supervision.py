@@ -30,6 +30,9 @@ ZEROS_S = 1.5
 """Nothing but zeros for so long is no quiet room: real microphones have noise."""
 REOPEN_SILENT_S = 10.0
 """A microphone that stays at zeros is opened anew so often: some recover only so."""
+HELD_UP_S = 1.0
+"""A step that comes so late (wall time) has lost sound: the libraries below keep little, and do not
+say what they threw away."""
 SLOW_SHOWN_S = 2.0
 """How long it is told that sound was lost."""
 BACK_OFF_S = (0.25, 0.5, 1.0, 2.0)
@@ -61,6 +64,7 @@ class Supervisor:
         self._zeros_since_s: float | None = None
         self._slow_until_s = 0.0
         self._lost_before_s = 0.0
+        self._stepped_s = 0.0
 
     def mute(self, muted: bool) -> None:
         """Close the microphone, or let it be opened again."""
@@ -96,14 +100,16 @@ class Supervisor:
             return
         self._watch = _SourceWatch()
         self._zeros_since_s = None
-        self._lost_before_s = 0.0
+        self._lost_before_s, self._stepped_s = 0.0, time.monotonic()
 
     def _listen(self, microphone: Microphone) -> None:
         sound = microphone.read(STEP_S)
         now_s = time.monotonic()
         if sound:
             self._check_zeros(sound, now_s)
-        if microphone.lost_s > self._lost_before_s:
+        held_up = now_s - self._stepped_s > HELD_UP_S
+        self._stepped_s = now_s
+        if held_up or microphone.lost_s > self._lost_before_s:
             # What was thrown away is gone; the rest is old, and does not belong together.
             microphone.drain()
             self._lost_before_s = microphone.lost_s
