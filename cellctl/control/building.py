@@ -127,8 +127,7 @@ class Builder:
         self.doubt = self._open_act = self._feed_act = None
         ledger = self.ledger
         if not unsettled and not ledger.holding:
-            if self._hands.latched() and not ledger.missed:
-                raise CellFault("gripper_holds")
+            self._refuse_unknown_part()
             return
         cell = next((act.cell for act in reversed(unsettled) if act.cell is not None), None)
         routes = self._hands.routes
@@ -156,6 +155,13 @@ class Builder:
             doubt=settlement.doubt.sentence if settlement.doubt else "",
             **evidence.model_dump(),
         )
+        if settlement.doubt is None and not self.ledger.holding:
+            self._refuse_unknown_part()
+
+    def _refuse_unknown_part(self) -> None:
+        """Raises ``gripper_holds`` when the latch has closed and no act says on what."""
+        if self._hands.latched() and not self.ledger.missed:
+            raise CellFault("gripper_holds")
 
     def doubt_held(self, sentence: str, believed: PartPlace) -> None:
         """The part that counts as held may be elsewhere; a person has to look.

@@ -1,4 +1,4 @@
-"""Every fault of the catalogue is provoked at the wire by a test, and left by its documented way."""
+"""Every fault of the catalogue is provoked at the wire, and left by its documented way."""
 
 from __future__ import annotations
 
