@@ -150,8 +150,8 @@ class Daemon:
             log.warning("the planner cannot be loaded", reason=str(error))
 
     async def _prune(self) -> None:
-        """Let the journal forget what is old, now and every day."""
-        await self.cell.left_starting.wait()
+        """Let the journal forget what is old, once there is nothing else to do, and every day."""
+        await self.cell.been_idle.wait()
         journal = self.config.journal
         while True:
             try:

@@ -21,7 +21,7 @@ from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
 from tests.cell.harness import PATIENCE_S, bar, cell_config
 
-_REPLY_S = 1.0
+_REPLY_S = 0.3
 """A daemon that dies does not answer; longer is not waited for (wall time)."""
 _POLL_S = 0.05
 
