@@ -163,6 +163,10 @@ class Builder:
         if self._hands.latched() and not self.ledger.missed:
             raise CellFault("gripper_holds")
 
+    def misses_held(self) -> bool:
+        """Whether a part counts as held and the latch does not confirm it."""
+        return self.grip is Grip.PART and not self._hands.latched()
+
     def doubt_held(self, sentence: str, believed: PartPlace) -> None:
         """The part that counts as held may be elsewhere; a person has to look.
 

@@ -27,7 +27,7 @@ from cellctl.control.journal import Journal
 from cellctl.control.moving import ArmAndLatch
 from cellctl.control.states import Event, top_of
 from cellctl.control.wishes import Wishes
-from cellctl.errors import CellctlError, CellFault, ExitStatus
+from cellctl.errors import CellctlError, CellFault, ExitStatus, RefusedError
 from cellctl.feeding.inventory import Counts, Move
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
@@ -205,7 +205,19 @@ class Cell:
         self._stood_anew()
 
     async def resume_doubt(self) -> None:
-        """Whoever resumes takes for granted what is believed of the part in doubt."""
+        """Whoever resumes takes for granted what is believed of the part in doubt.
+
+        Raises:
+            RefusedError: a part should be in the gripper, and its latch is no longer confirmed; the
+                next ``resume`` takes for granted that it is.
+        """
+        if self.builder.doubt is None and self.builder.misses_held():
+            self.builder.doubt_held(
+                "The part should be in the gripper, and the latch does not confirm it any more",
+                believed="gripper",
+            )
+            self.tell()
+            raise RefusedError(self.last_state.sentence)
         if self.builder.doubt is not None:
             await self.recover_part(self.builder.doubt.believed)
 
@@ -383,6 +395,7 @@ class Cell:
         await self._journal.start()
         await self._journal.flush()
         await self._devices.arm.recover()
+        await self._devices.hands.adopt_line()
         await self._devices.belt.recover()
         post(Event.RECOVERED)
 

@@ -147,6 +147,15 @@ class ArmAndLatch:
         """Confirmed open, and still told to be: a stop of the robot may have dropped its output."""
         return self._opened and self.is_told_open()
 
+    async def adopt_line(self) -> None:
+        """Order the latch what it is told already: what a person switched on the pendant before a
+        reset was meant. Moves nothing.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        await self.arm.set_output(self._config.gripper.command_output, self.is_told_open())
+
     def latched(self) -> bool:
         """Whether the status line confirms a closed latch."""
         return bool(self.state().digital_inputs >> self._config.gripper.status_input & 1)

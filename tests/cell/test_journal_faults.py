@@ -67,8 +67,8 @@ def test_a_full_disk_in_mid_build(workplace: Workplace) -> None:
         begin(cell, nz=4)
         expect_fault(cell, "journal_failed")
         assert (workplace.folder / "daemon.log").stat().st_size < FULL_AT_BYTES
-        cell.client.command("reset")
-        expect_fault(cell, "journal_failed")  # nobody has made room
+        reset_and_resume(cell)  # what has happened is written down
+        expect_fault(cell, "journal_failed")  # and nothing more can be: nobody has made room
         daemon.rlimit(psutil.RLIMIT_FSIZE, (psutil.RLIM_INFINITY, psutil.RLIM_INFINITY))
         reset_and_resume(cell)
         finish_as_planned(cell)

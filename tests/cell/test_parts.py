@@ -21,6 +21,7 @@ from cellctl.messages import (
     RefillCommand,
 )
 from cellctl.sim.world_values import Where
+from tests.cell.faulty import expect_fault, reset_and_resume
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -220,6 +221,14 @@ def test_no_object_may_have_more_parts_than_there_are(idle: RunningCell) -> None
 # --- a part in the gripper --------------------------------------------------------------------
 
 
+def see_the_status_fall(cell: RunningCell) -> None:
+    """In the world, and then by whatever the robot told since."""
+    cell.wait("a status that fell", lambda _: not cell.truth().latch["status"])
+    fell_s = cell.client.snapshot().arm.robot_time_s
+    assert fell_s is not None
+    cell.wait("news", lambda now: (now.arm.robot_time_s or 0.0) > fell_s + 0.5)
+
+
 def test_a_part_is_taken_out_of_the_gripper_and_the_next_one_takes_its_place(
     idle: RunningCell,
 ) -> None:
@@ -243,6 +252,7 @@ def test_a_part_is_taken_out_of_the_gripper_and_the_next_one_takes_its_place(
 def test_a_part_that_is_no_longer_in_the_gripper_is_written_off(idle: RunningCell) -> None:
     stop_with_a_part(idle, 2, 1, 1)
     idle.world.inject("gripper_silent")  # with no power the latch confirms nothing
+    see_the_status_fall(idle)
     idle.world.inject("part_dropped")
     with pytest.raises(RefusedError, match="operator"):
         idle.visitor.request(say("scrap"))
@@ -256,6 +266,37 @@ def test_a_part_that_is_no_longer_in_the_gripper_is_written_off(idle: RunningCel
     truth = idle.truth()
     assert len(truth.built) == 2
     assert (truth.counts[Where.FALLEN], truth.counts[Where.GRIPPER]) == (1, 0)
+
+
+def test_a_latch_that_is_no_longer_confirmed_is_asked_about_before_the_arm_goes_on(
+    idle: RunningCell,
+) -> None:
+    stop_with_a_part(idle, 2, 1, 1)
+    idle.world.inject("gripper_reboot")
+    see_the_status_fall(idle)
+    with pytest.raises(RefusedError, match="does not confirm it any more: look"):
+        idle.client.command("resume")
+    assert idle.client.snapshot().doubt
+    idle.client.command("resume")  # it is there
+    finish(idle)
+
+
+def test_a_part_that_fell_out_of_a_latch_opened_on_the_pendant_is_told(idle: RunningCell) -> None:
+    stop_with_a_part(idle, 2, 1, 1)
+    idle.world.inject("part_dropped")
+    idle.world.inject("output_changed", line=0, high=True)
+    see_the_status_fall(idle)
+    with pytest.raises(RefusedError, match="look, then say resume"):
+        idle.client.command("resume")
+    with pytest.raises(UsageError, match="The latch is open"):
+        idle.client.command("resume")
+    idle.client.request(say("unknown"))
+    idle.assert_inventory_true()
+    idle.client.command("resume")
+    expect_fault(idle, "robot_mismatch")  # the output is not as it was ordered
+    reset_and_resume(idle)  # as it was meant
+    assert idle.finish().outcome == "built"
+    assert len(idle.truth().built) == 2
 
 
 def test_only_a_paused_cell_is_told_where_a_part_is(idle: RunningCell) -> None:
