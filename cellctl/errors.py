@@ -213,8 +213,8 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         title="The gripper is latched at the start and may hold a part that nobody knows of.",
         causes=("The cell was switched off, or its daemon ended, with a part in the gripper.",),
         remedy=(
-            "Hold the part and open the latch with its output on the robot's pendant, "
-            "then reset and resume."
+            "Reset; hold the part and open the latch with `cellctl hand open --part-held`, or on "
+            "the pendant; then resume."
         ),
     ),
     FaultEntry(
@@ -223,7 +223,10 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         policy=Policy.HOLD,
         title="The arm is not where it was left, and its gripper may hold a part.",
         causes=("The arm was moved by hand while its gripper was opening or closing.",),
-        remedy="Bring the arm back with the robot's pendant, then reset and resume, or cancel.",
+        remedy=(
+            "Reset, then bring the arm back with `cellctl hand` or the pendant and resume, or "
+            "cancel."
+        ),
     ),
     FaultEntry(
         code="no_route",
@@ -231,7 +234,10 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         policy=Policy.HOLD,
         title="There is no safe way from where the arm is.",
         causes=("The arm was moved by hand.", "Something stands where it must pass."),
-        remedy="Move the arm clear with the robot's pendant, then reset and resume or cancel.",
+        remedy=(
+            "Reset, then move the arm clear with `cellctl hand rise` or the pendant and resume, or "
+            "cancel."
+        ),
     ),
     FaultEntry(
         code="protective_stop",
@@ -305,10 +311,14 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         severity=Severity.HELD,
         policy=Policy.HOLD,
         title="What the cell does cannot be written down, so nothing may move.",
-        causes=("The disk is full.", "The disk cannot be written.", "The disk is failing."),
+        causes=(
+            "The disk is full.",
+            "The disk cannot be written, or does not answer.",
+            "Somebody moved or replaced the file.",
+        ),
         remedy=(
-            "Make room on the disk that journal.path names, or make it writable, then reset and "
-            "resume; nothing that happened is forgotten meanwhile."
+            "Make room on the disk that journal.path names, make it writable, or put the file "
+            "back; then reset and resume. Nothing that happened is forgotten meanwhile."
         ),
     ),
     FaultEntry(

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import ctypes
 import multiprocessing
+import os
 import signal
 import traceback
 from collections.abc import Callable
@@ -27,9 +29,22 @@ class WorkerError(CellctlError):
     """The worker died, took too long, or met a defect."""
 
 
+_PR_SET_PDEATHSIG = 1
+"""Of prctl(2)."""
+
+
+def _die_with_parent() -> None:
+    """End with the process that wants the work, however that ends, and not when it is done."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    parent = multiprocessing.parent_process()
+    if parent is None or parent.pid != os.getppid():
+        os._exit(1)  # it has ended already
+
+
 def _serve(connection: Connection) -> None:
     """Body of the worker: calls in, progress and results out, until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _die_with_parent()
     while True:
         try:
             function, arguments, wants_progress = connection.recv()

@@ -32,7 +32,18 @@ need_root() {
 # daemon that knows of them.
 refuse_mid_build() {
     local cellctl=$DESTDIR$PREFIX/venv/bin/cellctl answer state
-    live && [[ -x $cellctl ]] && systemctl --quiet is-active cellctl.service || return 0
+    live && [[ -x $cellctl ]] || return 0
+    if ! systemctl --quiet is-active cellctl.service; then
+        # Nothing runs, and yet a build may be half done.
+        answer=$("$cellctl" history --limit 1 --json 2>/dev/null) || return 0
+        state=$(printf '%s' "$answer" | "$DESTDIR$PREFIX/venv/bin/python" -c '
+import json, sys
+jobs = json.load(sys.stdin)
+print("yes" if jobs and not jobs[0]["finished_at"] else "")')
+        [[ -z $state ]] ||
+            die "refused: a job is half done. Start the daemon and finish it, or: cellctl cancel"
+        return 0
+    fi
     answer=$("$cellctl" status --json) ||
         die "the daemon runs but does not answer; stop it first: systemctl stop cellctl"
     state=$(printf '%s' "$answer" | "$DESTDIR$PREFIX/venv/bin/python" -c '

@@ -64,8 +64,8 @@ def register(app: typer.Typer) -> None:
 
     @group.command(context_settings={"ignore_unknown_options": True})
     def jog(
-        x_mm: Annotated[float, typer.Argument(help="Along the workspace's x edge.")] = 0.0,
-        y_mm: Annotated[float, typer.Argument(help="Along its y edge.")] = 0.0,
+        x_mm: Annotated[float, typer.Argument(help="Along x of the cell frame.")] = 0.0,
+        y_mm: Annotated[float, typer.Argument(help="Along its y.")] = 0.0,
         z_mm: Annotated[float, typer.Argument(help="Upward.")] = 0.0,
         turn: Annotated[float, typer.Option(help="Degrees about the vertical.")] = 0.0,
         config: ConfigOption = None,

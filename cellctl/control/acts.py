@@ -31,6 +31,8 @@ class ActKind(StrEnum):
     RETREAT = "retreat"
     HAND = "hand"
     """A movement that an operator ordered."""
+    HAND_OPEN = "hand_open"
+    """The latch opened by an operator's order."""
     # What people did, or say of the cell.
     REFILL = "refill"
     CLEAR = "clear"

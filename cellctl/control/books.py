@@ -111,7 +111,10 @@ class Books:
             raise RefusedError(
                 "Only a paused cell can be told where the part is.", "Pause it, or reset its fault."
             )
-        await self._cell.recover_part(said.part)
+        try:
+            await self._cell.recover_part(said.part)
+        except KeyError:
+            raise RefusedError("That was settled already.") from None
         return self._cell.last_state.sentence
 
     async def _missing(self, said: MissingCommand) -> str:
@@ -131,9 +134,7 @@ class Books:
         await cell.controller.command(Event.BOOK, unless=self._why_not_missing)
         for place in said.cells:
             await cell.record(ActKind.MISSING, at=place, moves=(Move.LOSE_PLACED,))
-        return (
-            f"{_parts(len(gone))} missing and unknown now; a build that goes on places them again."
-        )
+        return f"{_parts(len(gone))} missing, and unknown now; a build that goes on fills the gap."
 
     async def _count(self, said: CountCommand) -> str:
         counted = said.model_dump(exclude={"command", "note"}, exclude_none=True)

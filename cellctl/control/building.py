@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 
 import structlog
 
@@ -123,9 +124,11 @@ class Builder:
             CellFault: ``gripper_holds``: the latch holds something nobody knows of; or a device
                 does not answer.
         """
-        unsettled = self._journal.unsettled()
+        # Nothing is forgotten before all devices have answered, and nothing waits in between.
+        belt = await self._belt.state()
+        arm = self._hands.state()
+        unsettled, ledger = self._journal.unsettled(), self.ledger
         self.doubt = self._open_act = self._feed_act = None
-        ledger = self.ledger
         if not unsettled and not ledger.holding:
             self._refuse_unknown_part()
             return
@@ -133,13 +136,13 @@ class Builder:
         routes = self._hands.routes
         evidence = Evidence.of(
             self._config,
-            self._hands.state(),
-            await self._belt.state(),
+            arm,
+            belt,
             routes.pick_stance().tcp_pose,
             routes.place_stance(cell).tcp_pose if cell is not None else None,
         )
-        number = step.index + 1 if step is not None else 0
-        settlement = settle(ledger, unsettled, evidence, number)
+        part = f"Part {step.index + 1}" if step is not None else "The part"
+        settlement = settle(ledger, unsettled, evidence, part)
         for act in settlement.acts:
             self._journal.settle(act.act_id, act.outcome, act.detail, act.moves, act.belt_indexes)
         if settlement.missed:
@@ -185,18 +188,15 @@ class Builder:
             UsageError: the part cannot be there.
             CellFault: ``journal_failed``, ``robot_lost``.
         """
-        doubt = self.doubt
-        if doubt is None:
-            if not self.ledger.holding:
-                raise RefusedError("No part is in the gripper, and none is in doubt.")
-            if part == "gripper":
-                return
-            if self._hands.latched():
-                raise RefusedError(
-                    "The latch is closed on the part.",
-                    "Hold the part and open the latch with `cellctl hand open --part-held`.",
-                )
-            doubt = Doubt(act_id=None, kind=ActKind.PLACE, sentence="", believed="gripper")
+        doubt = self.doubt or self._undoubted()
+        if self.doubt is None and part == "gripper" and doubt.act_id is None:
+            return
+        if self._hands.latched() and part not in {"gripper", "station"}:
+            raise RefusedError(
+                "The latch is closed, on the part as it seems.",
+                "Say `cellctl recover gripper`; then hold the part and open the latch with "
+                "`cellctl hand open --part-held`.",
+            )
         outcome, moves = moves_to(doubt, part)
         if part == "cell" and step is None and doubt.act_id is None:
             raise UsageError("No job is under way whose cell the part could be at.")
@@ -212,7 +212,30 @@ class Builder:
         self.doubt = self._open_act = None
         self._lifted = part == "gripper"
 
+    def _undoubted(self) -> Doubt:
+        """The part that was on its way, as if it were in doubt.
+
+        Raises:
+            RefusedError: there is none.
+        """
+        if self._open_act is not None:
+            act_id, kind = self._open_act
+            return Doubt(act_id=act_id, kind=kind, sentence="", believed="gripper")
+        if not self.ledger.holding:
+            raise RefusedError("No part is in the gripper, and none is in doubt.")
+        return Doubt(act_id=None, kind=ActKind.PLACE, sentence="", believed="gripper")
+
     # --- the stages ---------------------------------------------------------------------------
+
+    async def in_the_way(self) -> bool:
+        """Whether the arm must leave the station before a part can come: picking sees to that.
+
+        Raises:
+            CellFault: of the belt.
+        """
+        if self.grip is not Grip.NOTHING or not self._hands.near_station():
+            return False
+        return not (await self._belt.state()).part_present
 
     def belt_is_empty(self) -> bool:
         """Whether somebody must lay parts on the belt before one can come."""
@@ -254,6 +277,8 @@ class Builder:
         hands = self._hands
         async with self._act(ActKind.PICK, job) as act:
             if self.grip is Grip.NOTHING:
+                if hands.latched() and not self.ledger.missed:
+                    raise CellFault("gripper_holds")
                 if not hands.is_open() and not self.ledger.missed:
                     await hands.open()
                 await self._travel(hands.routes.to_pick, job)
@@ -263,6 +288,8 @@ class Builder:
             if self.grip is Grip.NOTHING and not belt.part_present:
                 act.failed("No part lies at the station any more.")
                 self._end_feed("failed", act.reason)
+                # The next part must not run into the gripper.
+                await self._travel(partial(hands.routes.rise, carrying=False), job)
                 return False
             self._end_feed("done")
             hands.expect_at(hands.routes.pick_stance())
@@ -361,7 +388,16 @@ class Builder:
         """Whether the part leaves the station with the gripper."""
         if self.ledger.lift_unchecked and not self._lifted:
             await self._hands.wait_risen(move, LIFT_SHARE * self._config.voxel.pitch_m)
-            self._lifted = not (await self._belt.state()).part_present
+            belt, before = await self._belt.state(), self.ledger.belt_indexes
+            if belt.part_present and before is not None and belt.indexes < before:
+                # The board was restarted meanwhile: it may be the same part, or the next one.
+                await self._hands.arm.stop()
+                self.doubt_held(
+                    "The part may be in the gripper, or still at the pick station", "gripper"
+                )
+                raise CellFault("pick_missed", "The conveyor's board was restarted meanwhile.")
+            another = before is not None and belt.indexes > before
+            self._lifted = another or not belt.part_present
             return self._lifted
         return True
 

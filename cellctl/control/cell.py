@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
 
 import structlog
 
-from cellctl.assembling.arm import Arm
 from cellctl.assembly import Cell as CellIndex
 from cellctl.assembly import Role, Utterance
 from cellctl.clock import Clock
@@ -21,18 +19,15 @@ from cellctl.control import sentences
 from cellctl.control.acts import ActKind, JobFiles
 from cellctl.control.building import Builder
 from cellctl.control.controller import Controller, Post
+from cellctl.control.devices import Devices
 from cellctl.control.hand import HandMoves
 from cellctl.control.job import Job, Phase
 from cellctl.control.journal import Journal
-from cellctl.control.moving import ArmAndLatch
 from cellctl.control.states import Event, top_of
 from cellctl.control.wishes import Wishes
 from cellctl.errors import CellctlError, CellFault, ExitStatus, RefusedError
 from cellctl.feeding.inventory import Counts, Move
-from cellctl.feeding.service import BeltService
-from cellctl.listening.hearing import Hearing
 from cellctl.messages import GripperData, Outcome, PartData, PartPlace, StateData, StatusData
-from cellctl.worker import WorkerProcess
 
 log = structlog.get_logger(__name__)
 
@@ -42,19 +37,6 @@ _OUTCOMES: dict[ExitStatus, Outcome] = {
     ExitStatus.CANNOT_PLAN: "cannot_plan",
 }
 """How a request ends that was refused with an error of this status."""
-_DEVICE_PATIENCE_S = 30.0
-"""Longest time for which one device may keep a stop or a reset waiting (wall time)."""
-
-
-@dataclass(frozen=True)
-class Devices:
-    """The hardware, the stages' services, and the people's ears."""
-
-    arm: Arm
-    hands: ArmAndLatch
-    belt: BeltService
-    hearing: Hearing
-    designer: WorkerProcess
 
 
 class Cell:
@@ -96,6 +78,8 @@ class Cell:
         )
         self.hand = HandMoves(builder, devices.hands, devices.belt, journal)
         self.job: Job | None = None
+        self._checked = False
+        """The robot and the belt were looked over since the last rest."""
         self._kept_files: JobFiles | None = None
         """What the journal has of the present job's files."""
         self.started = False
@@ -118,7 +102,7 @@ class Cell:
             "verify": self._verify,
             "retreat": self._retreat,
             "brake": self._brake,
-            "hand": self.hand.run,
+            "hand": self._hand,
             "hold": self._hold,
             "recover": self._recover,
         }
@@ -252,6 +236,9 @@ class Cell:
             self.hand.left()
         if after == "idle":
             self.been_idle.set()
+        by_hand = {before, after} == {"paused_resting", "paused_moving"}
+        if top_of(after) in {"idle", "paused", "fault"} and not by_hand:
+            self._checked = False
         job = self.active_job
         if job is not None:
             self._follow(job, event, after)
@@ -285,7 +272,7 @@ class Cell:
         if event is Event.PAUSE and top_of(after) == "assembling":
             job.pausing = True
         elif top_of(after) in {"paused", "fault"}:
-            job.pausing = job.checked = False
+            job.pausing = False
         if event is Event.CANCEL and top_of(after) == "assembling":
             job.cancelling = True
         heard_in_vain = job.phase is Phase.HEARING and top_of(after) in {"paused", "fault"}
@@ -317,12 +304,7 @@ class Cell:
     async def _start(self, post: Post) -> None:
         await self._journal.start()
         await self._journal.flush()
-        arm, belt = self._devices.arm, self._devices.belt
-        identity, seen = await asyncio.gather(arm.connect(), belt.connect(), return_exceptions=True)
-        for result in (identity, seen):
-            if isinstance(result, BaseException):
-                raise result
-        log.info("robot connected", identity=str(identity))
+        await self._devices.connect()
         job = self._recall()
         await self.builder.settle_cut(job.step if job is not None else None)
         if job is not None:
@@ -360,43 +342,32 @@ class Cell:
         return job
 
     async def _brake(self, post: Post) -> None:
-        await self._halt_everything()
+        await self._devices.halt()
         job = self.active_job
         if job is not None and job.cancelling:
+            await self.controller.stage_before_ended()
             await self.builder.settle_cut(job.step)
             job.standing = self.builder.standing
         post(Event.AT_REST)
 
+    async def _hand(self, post: Post) -> None:
+        await self._check_before_motion()
+        await self.hand.run(post)
+
     async def _hold(self, post: Post) -> None:  # noqa: ARG002 - every stage has the same form
         try:
-            await self._halt_everything()
+            await self._devices.halt()
         except CellFault as fault:
             # The cell is in a fault already; its first cause is what counts.
             log.warning("while holding", reason=str(fault))
 
-    async def _halt_everything(self) -> None:
-        """Stop arm and belt, both even if one of them fails.
-
-        Raises:
-            CellFault: the arm or the belt could not be told to stop.
-        """
-        try:
-            async with asyncio.timeout(_DEVICE_PATIENCE_S):
-                results = await asyncio.gather(
-                    self._devices.arm.stop(), self._devices.belt.halt(), return_exceptions=True
-                )
-        except TimeoutError:
-            raise CellFault("robot_lost", "It does not confirm that it stopped.") from None
-        for result in results:
-            if isinstance(result, BaseException):
-                raise result
-
     async def _recover(self, post: Post) -> None:
-        await self._journal.start()
+        if not self._journal.is_open:
+            # Another file may be there now: what it says counts, as after a death.
+            await self._journal.start()
+            self.started, self.job = False, None
         await self._journal.flush()
-        await self._devices.arm.recover()
-        await self._devices.hands.adopt_line()
-        await self._devices.belt.recover()
+        await self._devices.recover()
         post(Event.RECOVERED)
 
     # --- stages: part after part --------------------------------------------------------------
@@ -415,9 +386,13 @@ class Cell:
         if job.pausing:
             post(Event.PAUSE)
             return
-        await self._check_before_motion(job)
+        await self._check_before_motion()
         if self.builder.belt_is_empty():
             post(Event.BELT_EMPTY)
+            return
+        if await self.builder.in_the_way():
+            # Picking finds nothing, makes way, and asks again.
+            post(Event.PART_READY)
             return
         await self.builder.feed(job, near=lambda: post(Event.PART_NEAR))
         post(Event.PART_READY)
@@ -427,6 +402,7 @@ class Cell:
         if job.pausing:
             post(Event.PAUSE_NOW)
             return
+        await self._check_before_motion()
         picked = await self.builder.pick(job)
         post(Event.PICKED if picked else Event.PICK_AGAIN)
 
@@ -435,6 +411,7 @@ class Cell:
         if job.pausing:
             post(Event.PAUSE_NOW)
             return
+        await self._check_before_motion()
         lifted = await self.builder.place(job)
         post(Event.PLACED if lifted else Event.PICK_AGAIN)
 
@@ -462,21 +439,21 @@ class Cell:
             post(Event.PAUSE_NOW)
             return
         await self._devices.belt.halt()
+        await self._check_before_motion()
         await self.builder.retreat(job)
         post(Event.COMPLETED)
 
-    async def _check_before_motion(self, job: Job) -> None:
-        """Once a job, and again after a fault: the robot and the belt are what the plan is for.
+    async def _check_before_motion(self) -> None:
+        """Before the first motion of a job, and again after each pause and fault: the robot and the
+        belt are what the plan is for.
 
         Raises:
             CellFault: ``robot_mismatch``, ``belt_mismatch`` or of a device that does not answer.
         """
-        if job.checked:
+        if self._checked:
             return
-        check = await self._devices.arm.verify()
-        await self._devices.belt.connect()
-        log.info("checked before motion", **check.model_dump())
-        job.checked = True
+        await self._devices.verify()
+        self._checked = True
 
     def _for_job(
         self, stage: Callable[[Job, Post], Awaitable[None]]

@@ -138,6 +138,7 @@ class Controller:
         self._stage_number = 0
         self._stage_name: str | None = None
         self._stage_task: asyncio.Task[None] | None = None
+        self._stage_before: asyncio.Task[None] | None = None
         self.latched: Latched | None = None
 
     @property
@@ -149,6 +150,11 @@ class Controller:
     def inbox_size(self) -> int:
         """Events that wait."""
         return self._inbox.qsize()
+
+    async def stage_before_ended(self) -> None:
+        """Wait until the stage that was cancelled for this one has ended, for a limited time."""
+        if self._stage_before is not None:
+            await asyncio.wait({self._stage_before}, timeout=_STAGE_END_PATIENCE_S)
 
     def post(self, event: Event, then: Callable[[], None] | None = None) -> None:
         """Put an event into the inbox, from a monitor or a service."""
@@ -258,7 +264,7 @@ class Controller:
             return
         self._stage_name = name
         self._stage_number += 1
-        previous = self._stage_task
+        previous = self._stage_before = self._stage_task
         if previous is not None:
             previous.cancel()
         if name is not None:

@@ -18,8 +18,9 @@ from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
 from cellctl.control.building import Builder
 from cellctl.control.bus import Bus
-from cellctl.control.cell import Cell, Devices
+from cellctl.control.cell import Cell
 from cellctl.control.designing import warm_up
+from cellctl.control.devices import Devices
 from cellctl.control.ears import LiveEars
 from cellctl.control.health import LoopMonitor
 from cellctl.control.journal_store import SqliteJournal

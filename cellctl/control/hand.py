@@ -46,23 +46,29 @@ class HandMoves:
 
     def why_not(self, command: HandCommand) -> str:
         """Why a movement cannot begin now; empty when it can."""
-        grip = self._builder.grip
         if self._builder.doubt is not None:
             return f"{self._builder.doubt.sentence}. Settle that first with `cellctl recover`."
-        if command.move == "open" and grip is Grip.PART and not command.part_held:
-            return (
-                "The part in the gripper would fall. Hold it, and say `cellctl hand open "
-                "--part-held`; it counts as taken to the stock then."
-            )
+        if command.move == "above_cell" and command.cell is None:
+            return "Name the cell."
+        return self._why_no_latch(command)
+
+    def _why_no_latch(self, command: HandCommand) -> str:
+        """Why the latch cannot be moved now."""
+        grip = self._builder.grip
         if command.move == "open" and grip in {Grip.LATCHING, Grip.RELEASING}:
             return (
                 "The latch was cut off in the middle, and only resume knows how far it came: say "
                 "resume, or cancel and then `cellctl recover`."
             )
+        if command.move == "open" and self._may_hold() and not command.part_held:
+            return (
+                "The part in the gripper would fall. Hold it, and say `cellctl hand open "
+                "--part-held`; it counts as taken to the stock then."
+            )
         if command.move in {"close", "check_lines"} and grip is not Grip.NOTHING:
             return "There is a part in the gripper."
-        if command.move == "above_cell" and command.cell is None:
-            return "Name the cell."
+        if command.move == "check_lines" and self._may_hold():
+            return "There may be a part in the gripper: open it with `cellctl hand open` first."
         return ""
 
     def begin(self, command: HandCommand) -> asyncio.Future[str]:
@@ -85,8 +91,10 @@ class HandMoves:
         command, ended = self._command, self._ended
         assert command is not None, "a hand moves by a command"
         assert ended is not None, "whoever gave it waits for its end"
+        opens = command.move in {"open", "check_lines"}
+        kind = ActKind.HAND_OPEN if opens else ActKind.HAND
         try:
-            act = await self._journal.intend(ActKind.HAND, "", None, command.cell)
+            act = await self._journal.intend(kind, "", None, command.cell)
         except CellFault as fault:
             _end(ended, fault)
             raise
@@ -125,11 +133,11 @@ class HandMoves:
     async def _carry_out(self, command: HandCommand) -> tuple[str, tuple[Move, ...]]:
         hands, routes = self._hands, self._hands.routes
         # What may be in the gripper is as wide and as low as what is.
-        carrying = self._builder.grip is not Grip.NOTHING
+        carrying = self._may_hold()
         match command.move:
             case "open":
                 await hands.open()
-                if carrying:
+                if self._builder.grip is Grip.PART:
                     return "The latch is open; the part counts as taken to the stock.", (
                         Move.TAKE_OUT,
                     )
@@ -177,6 +185,11 @@ class HandMoves:
                 )
         x, y, z = (f"{edge * 1000:.0f}" for edge in hands.state().tcp_pose[:3])
         return f"The TCP is at x {x}, y {y}, z {z} mm of the robot's base.", ()
+
+    def _may_hold(self) -> bool:
+        """A part is in the gripper, or something that nobody knows of."""
+        unknown = self._hands.latched() and not self._builder.ledger.missed
+        return self._builder.grip is not Grip.NOTHING or unknown
 
     async def _index(self) -> str:
         """Bring a part to the pick station."""

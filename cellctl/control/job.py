@@ -67,8 +67,6 @@ class Job:
     upload_name: str = ""
     upload: bytes | None = None
     """The mesh or plan file that it began with."""
-    checked: bool = False
-    """The cell was looked over before the first motion."""
     standing: frozenset[Cell] = frozenset()
     """Cells of the workspace that hold a part."""
     outcomes: list[PartOutcome] = field(default_factory=list)
@@ -103,7 +101,7 @@ class Job:
         """Which variant of ``resume`` goes on from here."""
         if self.phase in _RESUMES:
             return _RESUMES[self.phase]
-        if self.phase is Phase.RETREATING or self.step is None:
+        if self.step is None or (self.phase is Phase.RETREATING and self.cancelling):
             return Event.RESUME_RETREATING
         return {
             Grip.NOTHING: Event.RESUME_FEEDING,

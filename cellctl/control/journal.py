@@ -22,6 +22,11 @@ class Journal(Protocol):
         """What is believed of the cell, after all acts that are settled."""
         ...
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it has started, and its file was not damaged since."""
+        ...
+
     async def start(self) -> None:
         """Open it; does nothing when it is open.
 

@@ -37,6 +37,8 @@ REMEMBERED_ACTS: Final = 1000
 """How many of the newest acts are at hand in memory."""
 _LINGER_S: Final = 0.02
 """So long an outcome waits for an intent that takes it along (wall time)."""
+_PATIENCE_S: Final = 10.0
+"""Longest wait for the disk (wall time)."""
 _RETRY_S: Final = 5.0
 """Time from a failed attempt to write to the next one that nobody asked for (wall time)."""
 
@@ -62,7 +64,8 @@ class SqliteJournal:
         self._lock = JournalLock(path)
         self._writer = JournalWriter(path, config_sha256)
         self._thread: ThreadPoolExecutor | None = None
-        """None until it has started."""
+        """None until it has started, and after damage until it is started again."""
+        self._damage: CellFault | None = None
         self._ledger = self._saved_ledger = Ledger(counts=first_counts)
         self._saved_order = self._saved_act_id = self._last_act_id = 0
         self._recent: dict[int, Act] = {}
@@ -92,6 +95,9 @@ class SqliteJournal:
         """Open the file, or make a new one; lock it against other daemons until ``close``. Does
         nothing when it has started.
 
+        A file that was damaged while it was open is let go of, so that it can be mended; starting
+        again believes what stands there then, and nothing else.
+
         All of the file is looked at, and one of an older version is brought to this one.
 
         Raises:
@@ -116,7 +122,11 @@ class SqliteJournal:
             thread.shutdown()
             self._lock.release()
             raise
-        self._thread = thread
+        self._thread, self._damage = thread, None
+        for unwritten in (self._new_intents, self._new_outcomes, self._new_jobs):
+            unwritten.clear()
+        self._saved = self._tried = self._changes
+        self._failing = False
         self._ledger = self._saved_ledger = contents.ledger
         self._saved_order = contents.settled_order
         self._saved_act_id = self._last_act_id = contents.act_id
@@ -140,6 +150,11 @@ class SqliteJournal:
             self._thread.shutdown()
             self._thread = None
             self._lock.release()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has started, and its file was not damaged since."""
+        return self._thread is not None
 
     # --- what is believed ---------------------------------------------------------------------
 
@@ -261,7 +276,12 @@ class SqliteJournal:
         wanted = self._changes
         while self._saved < wanted:
             try:
-                await asyncio.shield(self._attempt or self._begin_attempt())
+                async with asyncio.timeout(_PATIENCE_S):
+                    await asyncio.shield(self._attempt or self._begin_attempt())
+            except TimeoutError:
+                raise CellFault(
+                    "journal_failed", f"{self._path}: the disk does not answer."
+                ) from None
             except CellFault:
                 # An attempt that began before this change was made says nothing about it.
                 if self._attempt is None and self._tried >= wanted:
@@ -375,7 +395,10 @@ class SqliteJournal:
             if not self._failing:
                 log.error("journal cannot be written", reason=str(fault))  # noqa: TRY400
             self._failing = True
-            self._write_soon(_RETRY_S)
+            if fault.code == "journal_damaged":
+                await self._let_go(fault)
+            else:
+                self._write_soon(_RETRY_S)
             raise
         finally:
             self._attempt = None
@@ -394,9 +417,18 @@ class SqliteJournal:
         if self._saved < self._changes:
             self._write_soon(_LINGER_S)
 
+    async def _let_go(self, damage: CellFault) -> None:
+        """Close a file that is of no use, and leave it to whoever can mend it."""
+        self._damage = CellFault(damage.code, damage.detail)
+        await self._in_thread(self._writer.close)
+        if self._thread is not None:
+            self._thread.shutdown(wait=False)
+        self._thread = None
+        self._lock.release()
+
     async def _in_thread(self, work: Callable[..., T], *arguments: object) -> T:
         if self._thread is None:
-            raise CellFault("journal_failed", f"{self._path}: it is not open.")
+            raise self._damage or CellFault("journal_failed", f"{self._path}: it is not open.")
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, lambda: work(*arguments))
 

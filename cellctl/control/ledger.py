@@ -57,7 +57,7 @@ class Ledger(Value):
             # The next part is called in only after the one in the gripper was seen to leave.
             lift_unchecked=counts.gripper == 1
             and (picked or (self.lift_unchecked and not carried and act.kind is not ActKind.FEED)),
-            missed=missed or (self.missed and not picked and act.kind is not ActKind.HAND),
+            missed=missed or (self.missed and not picked and act.kind is not ActKind.HAND_OPEN),
             belt_indexes=act.belt_indexes if picked else self.belt_indexes,
         )
 

@@ -97,20 +97,20 @@ class Settlement(Value):
     doubt: Doubt | None = None
 
 
-def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part: int) -> Settlement:
+def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part: str) -> Settlement:
     """Decide what can be decided.
 
     Args:
         ledger: what the settled acts say.
         unsettled: acts without an outcome, oldest first.
         evidence: what the devices say.
-        part: number of the part that was on its way, for people.
+        part: what to call the part that was on its way, for people: "Part 15".
     """
     settled: list[Settled] = []
     doubt: Doubt | None = None
     held_after = ledger.holding
     for act in unsettled:
-        result = _settle_act(ledger, act, evidence, part)
+        result = _settle_act(ledger, act, evidence, part, holding=held_after)
         if isinstance(result, Doubt):
             doubt = result
             continue
@@ -119,15 +119,7 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
     if doubt is not None or not held_after:
         return Settlement(acts=tuple(settled), doubt=doubt)
     if not evidence.latched:
-        return Settlement(
-            acts=tuple(settled),
-            doubt=Doubt(
-                act_id=None,
-                kind=ActKind.PLACE,
-                sentence=f"Part {part} should be in the gripper, and the latch does not confirm it",
-                believed="gripper",
-            ),
-        )
+        return Settlement(acts=tuple(settled), doubt=unconfirmed(part, evidence.told_open))
     if not ledger.lift_unchecked or not evidence.risen:
         return Settlement(acts=tuple(settled))
     if any(act.kind is ActKind.FEED for act in unsettled):
@@ -138,8 +130,27 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
     return _lift(ledger, evidence, tuple(settled), part)
 
 
+def unconfirmed(part: str, told_open: bool) -> Doubt:
+    """A part counts as held, and the latch does not confirm it.
+
+    Args:
+        part: what to call it, for people.
+        told_open: the latch was told to open, which only a person can have done.
+    """
+    if told_open:
+        sentence = f"{part} was in the gripper, and somebody has opened it"
+    else:
+        sentence = f"{part} should be in the gripper, and the latch does not confirm it"
+    return Doubt(
+        act_id=None,
+        kind=ActKind.PLACE,
+        sentence=sentence,
+        believed="stock" if told_open else "gripper",
+    )
+
+
 def _lift(
-    ledger: Ledger, evidence: Evidence, settled: tuple[Settled, ...], part: int
+    ledger: Ledger, evidence: Evidence, settled: tuple[Settled, ...], part: str
 ) -> Settlement:
     """A part lies at the station: the one that should be in the gripper, or the next one."""
     before, now = ledger.belt_indexes, evidence.belt_indexes
@@ -153,22 +164,24 @@ def _lift(
         doubt=Doubt(
             act_id=None,
             kind=ActKind.PLACE,
-            sentence=f"Part {part} may be in the gripper, or still at the pick station",
+            sentence=f"{part} may be in the gripper, or still at the pick station",
             believed="gripper",
         ),
     )
 
 
-def _settle_act(ledger: Ledger, act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
-    if act.kind is ActKind.PICK and not ledger.holding:
+def _settle_act(
+    ledger: Ledger, act: Act, evidence: Evidence, part: str, *, holding: bool
+) -> Settled | Doubt:
+    if act.kind is ActKind.PICK and not holding:
         return _settle_pick(ledger, act, evidence, part)
-    if act.kind is ActKind.RELEASE and ledger.holding:
+    if act.kind is ActKind.RELEASE and holding:
         return _settle_release(act, evidence, part)
     # Feeding and moving the arm bring no part from one place to another.
     return Settled(act_id=act.act_id, outcome="interrupted", detail="cut off")
 
 
-def _settle_pick(ledger: Ledger, act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
+def _settle_pick(ledger: Ledger, act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
     if evidence.latched and evidence.at_station:
         return Settled(
             act_id=act.act_id,
@@ -180,15 +193,15 @@ def _settle_pick(ledger: Ledger, act: Act, evidence: Evidence, part: int) -> Set
     if ledger.missed or evidence.told_open or (not evidence.latched and evidence.part_at_station):
         return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
     if not evidence.latched and not evidence.at_station and not evidence.part_at_station:
-        sentence = f"Part {part} may be in the gripper, whose latch reports nothing"
+        sentence = f"{part} may be in the gripper, whose latch reports nothing"
     elif evidence.latched:
-        sentence = f"Part {part} is in the gripper, it seems, but the arm was moved"
+        sentence = f"{part} is in the gripper, it seems, but the arm was moved"
     else:
         return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
     return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="gripper")
 
 
-def _settle_release(act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
+def _settle_release(act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
     if evidence.latched:
         return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_OPENED)
     if evidence.told_open and evidence.at_cell:
@@ -202,13 +215,13 @@ def _settle_release(act: Act, evidence: Evidence, part: int) -> Settled | Doubt:
         return Doubt(
             act_id=act.act_id,
             kind=act.kind,
-            sentence=f"Part {part} was let go, but the arm was moved",
+            sentence=f"{part} was let go, but the arm was moved",
             believed="cell",
         )
     return Doubt(
         act_id=act.act_id,
         kind=act.kind,
-        sentence=f"Part {part} may be in the gripper, or stand at its cell",
+        sentence=f"{part} may be in the gripper, or stand at its cell",
         believed="gripper",
     )
 

@@ -17,6 +17,7 @@ from cellctl.control.states import Event
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
+from cellctl.listening.wav import read_wav
 from cellctl.messages import (
     OPERATOR_COMMANDS,
     BuildCommand,
@@ -38,8 +39,10 @@ from cellctl.messages import (
 
 log = structlog.get_logger(__name__)
 
-_OVERHEARING_LIMIT = 4
+_OVERHEARING_LIMIT = 2
 """How many recordings may wait to be heard while a job is under way."""
+OVERHEARD_S = 5.0
+"""Longest recording that is listened to then: nothing may keep a spoken *stop* waiting for long."""
 
 _HAND_TIMEOUT_S = 120.0
 """Longest movement by hand that somebody waits for (wall time)."""
@@ -180,6 +183,9 @@ class RequestDesk:
             self._refuse_to_cancel_anothers(role)
         if word in {"clear", "hand_over"}:
             return await self._books.empty_workspace(handed_over=word == "hand_over")
+        if word == "pause" and role is Role.VISITOR and controller.state == "idle":
+            # Only an operator could lead out of it again.
+            raise RefusedError("There is nothing to pause.")
         if word == "resume":
             await self._resume()
         else:
@@ -199,8 +205,13 @@ class RequestDesk:
         await self._cell.controller.command(
             Event.HAND, lambda: ended.append(hand.begin(command)), unless=self._why_no_hand(command)
         )
-        async with asyncio.timeout(_HAND_TIMEOUT_S):
-            return await asyncio.shield(ended[0])
+        try:
+            async with asyncio.timeout(_HAND_TIMEOUT_S):
+                return await asyncio.shield(ended[0])
+        except TimeoutError:
+            raise RefusedError(
+                "It still moves, and is no longer waited for.", "`cellctl stop` ends it."
+            ) from None
 
     def _why_no_hand(self, command: HandCommand) -> Callable[[], str]:
         def why_not() -> str:
@@ -236,16 +247,17 @@ class RequestDesk:
             return "I am listening."
         if len(self._overhearing) >= _OVERHEARING_LIMIT:
             raise RefusedError("Too many recordings wait to be heard.", "Try again in a moment.")
-        task = asyncio.create_task(self._overhear(name, wav, role), name="overhear")
+        with audio_file(wav) as path:
+            samples = await asyncio.to_thread(read_wav, path, OVERHEARD_S)
+        task = asyncio.create_task(self._overhear(name, samples.tobytes(), role), name="overhear")
         self._overhearing.add(task)
         task.add_done_callback(self._overhearing.discard)
         return "I am busy; I listen for stop and the like only."
 
-    async def _overhear(self, name: str, wav: bytes, role: Role) -> None:
+    async def _overhear(self, name: str, pcm: bytes, role: Role) -> None:
         """While a job is under way only the words of command count."""
         try:
-            with audio_file(wav) as path:
-                utterance = await self._hearing.hear_wav(path)
+            utterance = await self._hearing.hear_samples(pcm)
             self._publish(SpeechData(utterance=utterance), self._cell.controller.state)
             word = spoken_command(utterance.text)
             if word is None:
@@ -254,6 +266,8 @@ class RequestDesk:
             await self._spoken_word(word, role)
         except CellctlError as error:
             log.info("heard while busy", name=name, reason=str(error))
+        except Exception:
+            log.exception("heard in vain", name=name)
 
     async def _spoken_word(self, word: str, role: Role) -> str:
         meaning = _WORDS.get(word)

@@ -99,21 +99,29 @@ _WHERE = {
 def refilling(job: Job | None, ledger: Ledger) -> str:
     """What is needed when the belt has run empty."""
     if not ledger.counts.stock:
-        return "The belt and the stock are empty. Find more parts and tell it with `cellctl own`."
+        return (
+            "The belt and the stock are empty. Find more parts and tell it with "
+            "`cellctl inventory set stock=N`."
+        )
     left = len(job.plan.steps) - job.placed if job is not None and job.plan is not None else 0
     return (
-        f"The belt is empty and {_parts(left)} are still to place. "
+        f"The belt is empty and {_parts(left)} {_is(left)} still to place. "
         "Lay parts on the belt and say `cellctl refill`."
     )
 
 
 def _occupied(ledger: Ledger) -> str:
-    if not ledger.standing:
+    count = len(ledger.standing)
+    if not count:
         return ""
     return (
-        f"{_parts(len(ledger.standing))} stand in the workspace: take the object along "
-        "(`cellctl hand-over`), or take it apart (`cellctl clear`)."
+        f"{_parts(count)} {'stands' if count == 1 else 'stand'} in the workspace: take the object "
+        "along (`cellctl hand-over`), or take it apart (`cellctl clear`)."
     )
+
+
+def _is(count: int) -> str:
+    return "is" if count == 1 else "are"
 
 
 def _parts(count: int) -> str:
