@@ -16,7 +16,7 @@ demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture an
 	@$(BIN)/cellctl demo --speed 10 --picture out/stool.png --report out/report.json
 
 test: setup-test lint ## Lint, types, import layers and all tests but the long ones
-	@$(BIN)/pytest
+	@scripts/test
 
 soak: setup-test ## The long proofs; an hour or more
 	@$(BIN)/pytest -m soak --timeout 7200

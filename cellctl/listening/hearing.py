@@ -15,6 +15,7 @@ from cellctl.assembly import Utterance
 from cellctl.config import HearingSection
 from cellctl.errors import HearingError
 from cellctl.listening import transcription
+from cellctl.listening.recogniser import SAMPLE_RATE_HZ
 from cellctl.worker import WorkerError, WorkerProcess
 
 T = TypeVar("T")
@@ -23,6 +24,8 @@ LOAD_TIMEOUT_S = 120.0
 """For starting the process and loading a large model from a slow disk."""
 DOWNLOAD_TIMEOUT_S = 330.0
 """More than a download may take; only where one is allowed."""
+RECOGNITION_S = 5.0
+"""On top of that, for whatever else the machine is doing."""
 RECOGNITION_FACTOR = 4.0
 """A machine slower than this many seconds for one second of audio is not fit to listen."""
 MAX_TEXT_CHARACTERS = 500
@@ -38,6 +41,8 @@ class Hearing:
     def __init__(self, settings: HearingSection) -> None:
         self._settings = settings
         self._worker = WorkerProcess("recogniser")
+        self._loaded_pid: int | None = None
+        """The process that has the model; another one has to load it first."""
 
     async def warm_up(self) -> str:
         """Load the model now, so that the first utterance is heard without delay.
@@ -57,7 +62,7 @@ class Hearing:
             HearingError: the file cannot be used, there is no model, or its process failed. The
                 process is started anew by the next call.
         """
-        timeout_s = self._load_timeout_s + RECOGNITION_FACTOR * self._settings.max_audio_s
+        timeout_s = self._patience_s(self._settings.max_audio_s)
         return await self._call(transcription.transcribe_wav, (self._settings, path), timeout_s)
 
     async def hear_samples(self, pcm: bytes) -> Utterance:
@@ -70,7 +75,7 @@ class Hearing:
             HearingError: there is no model, or its process failed. The process is started anew by
                 the next call.
         """
-        timeout_s = self._load_timeout_s + RECOGNITION_FACTOR * self._settings.max_audio_s
+        timeout_s = self._patience_s(_duration_s(pcm))
         return await self._call(transcription.transcribe_pcm, (self._settings, pcm), timeout_s)
 
     async def says_stop(self, pcm: bytes) -> bool:
@@ -81,9 +86,8 @@ class Hearing:
         Raises:
             HearingError: there is no model, or its process failed.
         """
-        return await self._call(
-            transcription.says_stop, (self._settings, pcm), self._load_timeout_s
-        )
+        timeout_s = self._patience_s(_duration_s(pcm))
+        return await self._call(transcription.says_stop, (self._settings, pcm), timeout_s)
 
     def hear_text(self, text: str) -> Utterance:
         """Take a typed sentence as if it had been spoken.
@@ -118,6 +122,12 @@ class Hearing:
         """Process id of the recogniser, while it runs."""
         return self._worker.pid
 
+    def _patience_s(self, audio_s: float) -> float:
+        """Longest wait for so much sound: a process that hangs must not keep *stop* waiting."""
+        loaded = self._worker.pid is not None and self._worker.pid == self._loaded_pid
+        recognition_s = RECOGNITION_S + RECOGNITION_FACTOR * audio_s
+        return recognition_s if loaded else self._load_timeout_s + recognition_s
+
     @property
     def _load_timeout_s(self) -> float:
         return LOAD_TIMEOUT_S + (DOWNLOAD_TIMEOUT_S if self._settings.allow_download else 0.0)
@@ -126,9 +136,15 @@ class Hearing:
         self, function: Callable[..., T], arguments: tuple[object, ...], timeout_s: float
     ) -> T:
         try:
-            return await self._worker.call(function, *arguments, timeout_s=timeout_s)
+            result = await self._worker.call(function, *arguments, timeout_s=timeout_s)
         except WorkerError as error:
             raise HearingError(
                 f"Speech could not be recognised: {error.message}",
                 "Say it again; the recogniser is started anew.",
             ) from error
+        self._loaded_pid = self._worker.pid
+        return result
+
+
+def _duration_s(pcm: bytes) -> float:
+    return len(pcm) / (2 * SAMPLE_RATE_HZ)

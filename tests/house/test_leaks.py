@@ -8,6 +8,9 @@ import pytest
 
 from tests.leaks import REPOSITORY
 
+# It loses a file in the repository, which the watch over other tests that run beside would see.
+pytestmark = pytest.mark.wire
+
 LEAKING = """
 import asyncio
 import os
