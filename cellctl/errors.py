@@ -343,6 +343,34 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
 )
 
 
+class Notice(Value):
+    """Something is wrong that does not stop the cell; it goes when its cause does."""
+
+    code: str
+    title: str
+    causes: tuple[str, ...]
+    remedy: str
+
+
+NOTICES: dict[str, Notice] = {
+    notice.code: notice
+    for notice in (
+        Notice(
+            code="microphone_lost",
+            title="The cell does not hear, so nobody can stop it by voice.",
+            causes=(
+                "The microphone is unplugged, switched off, or gives only silence.",
+                "Another sound source took its place.",
+                "The sound server has ended or is suspended.",
+                "The computer is too busy to listen.",
+            ),
+            remedy="Plug the microphone in and look at `cellctl microphone`; the cell tries again.",
+        ),
+    )
+}
+"""What is told while the cell goes on, by code."""
+
+
 class CellFault(CellctlError):  # noqa: N818 - a fault is the field's word
     """A fault of the catalogue, raised where it is noticed.
 

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
 from cellctl.config import Vector
-from cellctl.errors import FaultEntry
+from cellctl.errors import FaultEntry, Notice
 
 PartPlace = Literal["gripper", "cell", "station", "stock", "scrap", "unknown"]
 """Where a part can be that was on its way: in the gripper, at the cell of its step, at the pick
@@ -164,6 +164,8 @@ class EarsData(Value):
     """What makes a sentence a request."""
     sentence: str = ""
     """The state in words for the people in the room."""
+    notice: Notice | None = None
+    """What is wrong with them, while it is."""
 
 
 class FaultData(Value):

@@ -190,6 +190,18 @@ def faults_page() -> str:
             "\n".join(f"- {cause}" for cause in entry.causes) + "\n",
             f"What to do: {entry.remedy}\n",
         ]
+    parts.append(
+        "# Notices\n\nWhat is told while the cell goes on, on the topic it belongs to. It goes "
+        "when its cause does.\n"
+    )
+    for notice in errors.NOTICES.values():
+        parts += [
+            f"## {notice.code}\n",
+            f"**{notice.title}**\n",
+            "Likely causes:\n",
+            "\n".join(f"- {cause}" for cause in notice.causes) + "\n",
+            f"What to do: {notice.remedy}\n",
+        ]
     return "\n".join(parts)
 
 

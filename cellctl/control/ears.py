@@ -17,7 +17,7 @@ import structlog
 from cellctl.assembly import Role, Utterance
 from cellctl.config import HearingSection
 from cellctl.control.states import TRANSITIONS, Event
-from cellctl.errors import CellctlError, HearingError, RefusedError
+from cellctl.errors import NOTICES, CellctlError, HearingError, RefusedError
 from cellctl.listening.ears.ears import Ears
 from cellctl.listening.ears.events import Condition, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.words import overheard_command
@@ -140,15 +140,16 @@ class LiveEars:
                     self._segments.put_nowait(segment)
 
     def _changed(self, condition: Condition) -> None:
-        bad = {"lost", "silent", "slow"}
+        bad = condition.state in {"lost", "silent", "slow"}
         if condition.state != self.data.state or condition.device != self.data.device:
-            tell = log.warning if condition.state in bad else log.info
+            tell = log.warning if bad else log.info
             tell("ears", state=condition.state, device=condition.device, why=condition.sentence)
         self.data = self.data.model_copy(
             update={
                 "state": condition.state,
                 "device": condition.device,
                 "sentence": condition.sentence,
+                "notice": NOTICES["microphone_lost"] if bad else None,
             }
         )
         self._publish(self.data)

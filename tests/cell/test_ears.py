@@ -105,7 +105,9 @@ def test_a_wish_a_yes_and_a_build_by_voice_alone() -> None:
         # The microphone is taken out and put back; the cell goes on meanwhile.
         microphone.unplug()
         began_s = time.monotonic()
-        cell.wait("a lost microphone", lambda now: now.ears.state == "lost")
+        lost = cell.wait("a lost microphone", lambda now: now.ears.state == "lost").ears
+        assert lost.notice is not None
+        assert lost.notice.code == "microphone_lost"
         assert time.monotonic() - began_s < 2.0
         with pytest.raises(RefusedError, match="not at work"):
             cell.visitor.request(ListenCommand())
