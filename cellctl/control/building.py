@@ -233,7 +233,7 @@ class Builder:
         Raises:
             CellFault: of the belt.
         """
-        if self.grip is not Grip.NOTHING or not self._hands.near_station():
+        if self.grip is not Grip.NOTHING or not self._hands.near_station(carrying=False):
             return False
         return not (await self._belt.state()).part_present
 

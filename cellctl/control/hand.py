@@ -198,7 +198,7 @@ class HandMoves:
                 "The inventory counts no part on the belt.",
                 "Lay parts on it and tell it with `cellctl refill`.",
             )
-        if self._hands.near_station():
+        if self._hands.near_station(carrying=self._may_hold()):
             raise RefusedError(
                 "The arm is at the pick station, where the part would run into it.",
                 "Move it away first, for example with `cellctl hand rise`.",

@@ -104,12 +104,16 @@ class ArmAndLatch:
         if move.done():
             await move
 
-    def near_station(self) -> bool:
-        """Whether a part that comes in could touch the gripper, or what it holds."""
+    def near_station(self, *, carrying: bool) -> bool:
+        """Whether a part that comes in could touch the gripper, or the part that it holds.
+
+        A gripper that has risen from there by itself (``RoutePlanner.rise``) is clear.
+        """
         pitch_m, clearance_m = self._config.voxel.pitch_m, self._config.robot.clearance_m
         here, station = self.state().tcp_pose, self.routes.pick_stance().tcp_pose
         beside = math.dist(here[:2], station[:2]) < 2.0 * pitch_m
-        return beside and here[2] - station[2] < pitch_m + clearance_m / 2
+        hanging_m = pitch_m if carrying else 0.0
+        return beside and here[2] - station[2] < hanging_m + clearance_m / 2
 
     def expect_at(self, stance: Stance) -> None:
         """The latch moves only where the arm was sent.
