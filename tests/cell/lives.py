@@ -46,7 +46,6 @@ class Lives:
     found: Counter[str] = field(default_factory=Counter)
     """The states that the daemons came up in."""
     built: int = 0
-    deaths: int = 0
     untold: bool = False
     """Somebody has taken the object out, and no daemon has written that down yet."""
 
@@ -187,7 +186,6 @@ class Life:
                 return self.client.snapshot()
             except NoDaemonError:
                 assert time.monotonic() < deadline_s, "it neither answers nor dies"
-        self.lives.deaths += 1
         return None
 
 

@@ -19,7 +19,7 @@ _BOUNDARIES = 60
 _INSTANTS = 20
 _FARTHEST = 8
 """Each life ends at most so many writes of the journal after it began."""
-_LONGEST_S = 2.5
+_LONGEST_S = 1.5
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def tell(lives: Lives) -> None:
     times = sorted(lives.settled_s)
     p99_s = times[int(0.99 * (len(times) - 1))]
     print(  # noqa: T201
-        f"{lives.deaths} deaths, {lives.built} objects built, found {dict(lives.found)}; "
+        f"{lives.built} objects built, found {dict(lives.found)}; "
         f"from start to rest median {statistics.median(times):.2f} s, p99 {p99_s:.2f} s"
     )
 
@@ -58,7 +58,6 @@ def test_killed_at_the_journals_writes(lives: Lives) -> None:
             assert life.dead
     complete(lives)
     tell(lives)
-    assert lives.deaths == _BOUNDARIES
     assert lives.built >= 2
 
 
