@@ -19,6 +19,7 @@ from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated, write_config
 from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
+from tests.cell.dying_daemon import DyingDaemon
 from tests.cell.harness import PATIENCE_S, bar, cell_config
 
 _REPLY_S = 0.3
@@ -42,7 +43,7 @@ class Lives:
     world: SimClient
     parts: tuple[int, int, int] = (2, 1, 4)
     settled_s: list[float] = field(default_factory=list)
-    """From the start of each process to where it stands still and knows what is (wall time)."""
+    """From the start of a process to where it stands still and knows what is (wall time)."""
     found: Counter[str] = field(default_factory=Counter)
     """The states that the daemons came up in."""
     built: int = 0
@@ -50,21 +51,13 @@ class Lives:
     """Somebody has taken the object out, and no daemon has written that down yet."""
 
     @contextmanager
-    def life(self, *arguments: str) -> Iterator[Life]:
-        """A daemon; with arguments, one that kills itself (see ``dying_daemon``)."""
+    def life(self, when: str = "", write: int = 0) -> Iterator[Life]:
+        """A daemon, or one that kills itself ``before`` or ``after`` a write of its journal."""
         file, log = self.folder / "cell.toml", self.folder / "daemon.log"
         write_config(self.config, file)
-        program = ["cellctl", "run", "--config", str(file)]
-        if arguments:
-            program = ["tests.cell.dying_daemon", str(file), *arguments]
-        with log.open("ab") as sink, CellClient.for_role(self.config, timeout_s=_REPLY_S) as client:
+        with CellClient.for_role(self.config, timeout_s=_REPLY_S) as client:
             began_s = time.monotonic()
-            process = subprocess.Popen(
-                [sys.executable, "-m", *program],
-                stdin=subprocess.DEVNULL,
-                stdout=sink,
-                stderr=sink,
-            )
+            process = DyingDaemon(file, log, when, write) if when else _start(file, log)
             try:
                 yield Life(self, process, client, began_s)
             finally:
@@ -92,7 +85,7 @@ class Life:
     """
 
     lives: Lives
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | DyingDaemon
     client: CellClient
     began_s: float
 
@@ -111,7 +104,8 @@ class Life:
                 continue
             assert state in {"idle", "paused_resting"}, f"{state}: {snapshot.fault}"
             assert not snapshot.doubt, snapshot.doubt
-            self.lives.settled_s.append(time.monotonic() - self.began_s)
+            if isinstance(self.process, subprocess.Popen):  # one that had to load everything
+                self.lives.settled_s.append(time.monotonic() - self.began_s)
             self.lives.found[state] += 1
             if not self.lives.untold:
                 self._check_belief(snapshot)
@@ -187,6 +181,16 @@ class Life:
             except NoDaemonError:
                 assert time.monotonic() < deadline_s, "it neither answers nor dies"
         return None
+
+
+def _start(file: Path, log: Path) -> subprocess.Popen[bytes]:
+    with log.open("ab") as sink:
+        return subprocess.Popen(
+            [sys.executable, "-m", "cellctl", "run", "--config", str(file)],
+            stdin=subprocess.DEVNULL,
+            stdout=sink,
+            stderr=sink,
+        )
 
 
 @contextmanager
