@@ -105,8 +105,7 @@ def build_and_let_die(
 @pytest.mark.parametrize("what", DEATHS)
 def test_a_death_beside_the_daemon(cell: RunningCell, what: str) -> None:
     instants = random.Random(what)  # noqa: S311 - which instants is of no consequence
-    for _ in range(2):
-        build_and_let_die(cell, DEATHS[what], instants.uniform(0.0, _FARTHEST_S), height=3)
+    build_and_let_die(cell, DEATHS[what], instants.uniform(0.0, _FARTHEST_S), height=3)
 
 
 @pytest.mark.soak

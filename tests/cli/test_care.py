@@ -131,6 +131,7 @@ def test_a_cell_is_commissioned_by_a_person_who_looks(cell: RunningCell, file: P
     cell.wait_state("idle")
 
 
+@pytest.mark.soak
 @pytest.mark.wire
 @pytest.mark.shared_cell
 def test_what_the_person_sees_wrong_is_kept_with_what_to_change(

@@ -126,6 +126,7 @@ def test_a_microphone_that_goes_away_in_any_way_is_noticed_and_taken_up_again(
     run(scenario)
 
 
+@pytest.mark.soak
 def test_a_process_that_hangs_is_told_and_replaced(microphone: VirtualMicrophone) -> None:
     del microphone
 
