@@ -19,7 +19,6 @@ from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated, write_config
 from cellctl.sim.messages import CellTruth
 from cellctl.sim.spawn import emulated_cell
-from tests.cell.dying_daemon import DyingDaemon
 from tests.cell.harness import PATIENCE_S, bar, cell_config
 
 _REPLY_S = 0.3
@@ -43,7 +42,7 @@ class Lives:
     world: SimClient
     parts: tuple[int, int, int] = (2, 1, 4)
     settled_s: list[float] = field(default_factory=list)
-    """From the start of a process to where it stands still and knows what is (wall time)."""
+    """From the start of each process to where it stands still and knows what is (wall time)."""
     found: Counter[str] = field(default_factory=Counter)
     """The states that the daemons came up in."""
     built: int = 0
@@ -51,13 +50,21 @@ class Lives:
     """Somebody has taken the object out, and no daemon has written that down yet."""
 
     @contextmanager
-    def life(self, when: str = "", write: int = 0) -> Iterator[Life]:
-        """A daemon, or one that kills itself ``before`` or ``after`` a write of its journal."""
+    def life(self, *arguments: str) -> Iterator[Life]:
+        """A daemon; with arguments, one that kills itself (see ``dying_daemon``)."""
         file, log = self.folder / "cell.toml", self.folder / "daemon.log"
         write_config(self.config, file)
-        with CellClient.for_role(self.config, timeout_s=_REPLY_S) as client:
+        program = ["cellctl", "run", "--config", str(file)]
+        if arguments:
+            program = ["tests.cell.dying_daemon", str(file), *arguments]
+        with log.open("ab") as sink, CellClient.for_role(self.config, timeout_s=_REPLY_S) as client:
             began_s = time.monotonic()
-            process = DyingDaemon(file, log, when, write) if when else _start(file, log)
+            process = subprocess.Popen(
+                [sys.executable, "-m", *program],
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=sink,
+            )
             try:
                 yield Life(self, process, client, began_s)
             finally:
@@ -85,7 +92,7 @@ class Life:
     """
 
     lives: Lives
-    process: subprocess.Popen[bytes] | DyingDaemon
+    process: subprocess.Popen[bytes]
     client: CellClient
     began_s: float
 
@@ -104,8 +111,7 @@ class Life:
                 continue
             assert state in {"idle", "paused_resting"}, f"{state}: {snapshot.fault}"
             assert not snapshot.doubt, snapshot.doubt
-            if isinstance(self.process, subprocess.Popen):  # one that had to load everything
-                self.lives.settled_s.append(time.monotonic() - self.began_s)
+            self.lives.settled_s.append(time.monotonic() - self.began_s)
             self.lives.found[state] += 1
             if not self.lives.untold:
                 self._check_belief(snapshot)
@@ -181,16 +187,6 @@ class Life:
             except NoDaemonError:
                 assert time.monotonic() < deadline_s, "it neither answers nor dies"
         return None
-
-
-def _start(file: Path, log: Path) -> subprocess.Popen[bytes]:
-    with log.open("ab") as sink:
-        return subprocess.Popen(
-            [sys.executable, "-m", "cellctl", "run", "--config", str(file)],
-            stdin=subprocess.DEVNULL,
-            stdout=sink,
-            stderr=sink,
-        )
 
 
 @contextmanager

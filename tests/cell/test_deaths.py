@@ -52,7 +52,7 @@ def test_killed_at_the_journals_writes(lives: Lives) -> None:
     """Just before and just after a write: the act is known and not done, or done and not known."""
     for number in range(_BOUNDARIES):
         when, write = ("before", "after")[number % 2], 1 + number // 2 % _FARTHEST
-        with lives.life(when, write) as life:
+        with lives.life(when, str(write)) as life:
             if life.settle() is not None:
                 life.go_on()
             assert life.dead
@@ -78,7 +78,7 @@ def test_killed_at_every_write_of_a_build(lives: Lives) -> None:
     """Each write twice: the life that ends before it, and the life that ends after it."""
     number = 0
     while number < 400 or not lives.built:
-        with lives.life(("before", "after")[number % 2], 1 if number % 4 < 2 else 2) as life:
+        with lives.life(("before", "after")[number % 2], "1" if number % 4 < 2 else "2") as life:
             if life.settle() is not None:
                 life.go_on()
             assert life.dead
