@@ -24,6 +24,8 @@ from tests.cell.harness import PATIENCE_S, bar, cell_config
 _REPLY_S = 0.3
 """A daemon that dies does not answer; longer is not waited for (wall time)."""
 _POLL_S = 0.05
+BUSY = {"robot_lost", "program_stopped"}
+"""What a machine brings about that is too busy for its robot: an operator resets and resumes."""
 
 
 @dataclass
@@ -109,6 +111,8 @@ class Life:
             if state == "starting":
                 self._listen()
                 continue
+            if snapshot.fault.entry is not None and snapshot.fault.entry.code in BUSY:
+                return snapshot
             assert state in {"idle", "paused_resting"}, f"{state}: {snapshot.fault}"
             assert not snapshot.doubt, snapshot.doubt
             self.lives.settled_s.append(time.monotonic() - self.began_s)
@@ -141,9 +145,12 @@ class Life:
         while (snapshot := self._snapshot()) and time.monotonic() < until_s:
             assert time.monotonic() < deadline_s, f"nothing comes of {snapshot.state}"
             state = snapshot.state.state
-            assert not state.startswith("fault"), f"{state}: {snapshot.fault}"
+            entry = snapshot.fault.entry
+            assert entry is None or entry.code in BUSY, f"{state}: {snapshot.fault}"
             try:
-                if state == "paused_resting":
+                if state == "fault_stopped":
+                    self.client.command("reset")
+                elif state == "paused_resting":
                     self.client.command("resume")
                 elif state == "idle":
                     completed = self._begin_anew(snapshot) or completed
