@@ -150,7 +150,7 @@ class Walk:
         # Nothing goes on with a part in the latch that the cell does not know of.
         while self._operator.ask("Hold the part well: the latch opens. Have you got it?") != "yes":
             self._operator.tell("   The latch stays closed until you have it.")
-        self._move("open")
+        self._order(HandCommand(move="open", part_held=True))
         if held != "yes":
             raise StepFailedError(
                 "The latch closed and does not hold a part: adjust its travel, or look at the part."
@@ -207,7 +207,9 @@ class Walk:
         return self._config.voxel.pitch_m * 100.0
 
     def _move(self, move: HandMove, speed_fraction: float = 1.0, cell: Cell | None = None) -> None:
-        command = HandCommand(move=move, speed_fraction=speed_fraction, cell=cell)
+        self._order(HandCommand(move=move, speed_fraction=speed_fraction, cell=cell))
+
+    def _order(self, command: HandCommand) -> None:
         reply = self._cell.request(command, timeout_s=_MOVE_PATIENCE_S)
         self._operator.tell(f"   {reply.message}")
 

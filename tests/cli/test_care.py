@@ -59,9 +59,9 @@ def worst(report: DoctorReport) -> dict[str, Finding]:
 @pytest.mark.wire
 @pytest.mark.shared_cell
 def test_the_doctor_leaves_a_running_cell_alone(cell: RunningCell, file: Path) -> None:
-    before = cell.client.snapshot()
+    before = cell.wait("the arm's pose", lambda now: now.arm.connected)
     status, found = examined(file)
-    after = cell.client.snapshot()
+    after = cell.wait("the arm's pose", lambda now: now.arm.connected)
     assert status == 0, found
     assert "runs, state idle" in found["daemon"].found
     assert "the daemon is connected" in found["conveyor"].found
