@@ -17,7 +17,7 @@ from cellctl.errors import CellFault
 
 _TOGGLE_PERIOD_S = 0.2
 """Of the status line while the gripper reports a fault."""
-_STEADY_S = 1.1 * _TOGGLE_PERIOD_S
+STEADY_S = 1.1 * _TOGGLE_PERIOD_S
 """A level that holds for this long (cell time) is no toggle."""
 
 _log = structlog.get_logger(__name__)
@@ -44,7 +44,7 @@ class LatchGripper:
                 await self.unlatch()
             await self._command(open_=False)
             if await self._status(high=True, timeout_s=self._lines.travel_timeout_s):
-                if await self._status(high=False, timeout_s=_STEADY_S):
+                if await self._status(high=False, timeout_s=STEADY_S):
                     raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
                 return
         raise CellFault(
@@ -60,7 +60,7 @@ class LatchGripper:
                 await self._command(open_=False)
             await self._command(open_=True)
             if await self._status(high=False, timeout_s=self._lines.travel_timeout_s):
-                opening_s = max(self._lines.release_s, _STEADY_S)
+                opening_s = max(self._lines.release_s, STEADY_S)
                 if await self._status(high=True, timeout_s=opening_s):
                     raise CellFault("gripper_fault", "The status line rose while it opened.")
                 return
@@ -74,7 +74,7 @@ class LatchGripper:
         await self._command(open_=False)
         rose = await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
         after = self._state()
-        revoked = rose and await self._status(high=False, timeout_s=_STEADY_S)
+        revoked = rose and await self._status(high=False, timeout_s=STEADY_S)
         # Whatever was seen, the latch is left open: nobody counts on it to hold anything.
         await self._command(open_=True)
         if not rose:

@@ -130,7 +130,7 @@ class Builder:
         unsettled, ledger = self._journal.unsettled(), self.ledger
         self.doubt = self._open_act = self._feed_act = None
         if not unsettled and not ledger.holding:
-            self._refuse_unknown_part()
+            await self._refuse_unknown_part()
             return
         cell = next((act.cell for act in reversed(unsettled) if act.cell is not None), None)
         routes = self._hands.routes
@@ -159,11 +159,11 @@ class Builder:
             **evidence.model_dump(),
         )
         if settlement.doubt is None and not self.ledger.holding:
-            self._refuse_unknown_part()
+            await self._refuse_unknown_part()
 
-    def _refuse_unknown_part(self) -> None:
+    async def _refuse_unknown_part(self) -> None:
         """Raises ``gripper_holds`` when the latch has closed and no act says on what."""
-        if self._hands.latched() and not self.ledger.missed:
+        if not self.ledger.missed and await self._hands.stays_latched():
             raise CellFault("gripper_holds")
 
     def misses_held(self) -> bool:
@@ -277,8 +277,7 @@ class Builder:
         hands = self._hands
         async with self._act(ActKind.PICK, job) as act:
             if self.grip is Grip.NOTHING:
-                if hands.latched() and not self.ledger.missed:
-                    raise CellFault("gripper_holds")
+                await self._refuse_unknown_part()
                 if not hands.is_open() and not self.ledger.missed:
                     await hands.open()
                 await self._travel(hands.routes.to_pick, job)

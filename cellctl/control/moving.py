@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from cellctl.assembling.latch_gripper import STEADY_S
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembling.travel import travel
 from cellctl.assembly import Cell
@@ -159,6 +160,18 @@ class ArmAndLatch:
             CellFault: of the arm.
         """
         await self.arm.set_output(self._config.gripper.command_output, self.is_told_open())
+
+    async def stays_latched(self) -> bool:
+        """Whether the status line confirms a closed latch for longer than it toggles.
+
+        Raises:
+            CellFault: ``gripper_fault``: it toggles; or of the arm.
+        """
+        if not self.latched():
+            return False
+        if await self.arm.wait_input(self._config.gripper.status_input, False, STEADY_S):
+            raise CellFault("gripper_fault")
+        return True
 
     def latched(self) -> bool:
         """Whether the status line confirms a closed latch."""
