@@ -73,6 +73,7 @@ def test_a_simple_stool(idle: RunningCell, tmp_path: Path) -> None:
     assert snapshot.health.loop_blocked_p99_s < 0.05
 
 
+@pytest.mark.soak
 def test_a_shelf_with_two_tiers(idle: RunningCell, tmp_path: Path) -> None:
     built = build(idle, "a shelf with two tiers", tmp_path)
     assert tiers(built) == 2
