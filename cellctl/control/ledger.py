@@ -20,7 +20,8 @@ class Ledger(Value):
     lift_unchecked: bool = False
     """Nobody has yet seen that the part in the gripper left the station."""
     missed: bool = False
-    """The last pick left its part at the station; the latch is closed on nothing."""
+    """The latch may be closed, and on nothing: the last pick left its part at the station, or a
+    person says that it is empty."""
     belt_indexes: int | None = None
     """The board's counter when the part in the gripper was picked."""
 
@@ -49,7 +50,7 @@ class Ledger(Value):
                 "Count the parts and tell it with `cellctl inventory set`.",
             )
         picked = act.kind is ActKind.PICK and Move.PICK in act.moves
-        missed = Move.MISS in act.moves
+        missed = Move.MISS in act.moves or _told_empty(act)
         carried = act.kind is ActKind.PLACE and act.outcome == "done"
         return Ledger(
             counts=counts,
@@ -73,3 +74,14 @@ class Ledger(Value):
         if act.kind in {ActKind.CLEAR, ActKind.HAND_OVER} and act.outcome == "done":
             return frozenset()
         return self.standing
+
+
+_GONE = {Move.TAKE_OUT, Move.SCRAP_GRIPPED, Move.LOSE_GRIPPED}
+
+
+def _told_empty(act: Act) -> bool:
+    """A person says that the part is not in the gripper, whatever its latch does."""
+    if act.kind is ActKind.HAND_OPEN:
+        return False
+    placed = Move.PLACE in act.moves and act.kind is not ActKind.RELEASE
+    return placed or not _GONE.isdisjoint(act.moves)

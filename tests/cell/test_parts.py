@@ -233,7 +233,7 @@ def test_a_part_is_taken_out_of_the_gripper_and_the_next_one_takes_its_place(
     idle: RunningCell,
 ) -> None:
     stop_with_a_part(idle, 2, 1, 1)
-    with pytest.raises(RefusedError, match="The latch is closed on the part"):
+    with pytest.raises(RefusedError, match="The latch is closed"):
         idle.client.request(say("scrap"))
     with pytest.raises(RefusedError, match="--part-held"):
         idle.hand("open")
