@@ -161,8 +161,10 @@ def test_a_daemon_tells_all_its_life(tmp_path: Path, monkeypatch: pytest.MonkeyP
         monkeypatch.setenv("NOTIFY_SOCKET", receiver.address)
         monkeypatch.setenv("WATCHDOG_USEC", f"{WATCHDOG_S * 1e6:.0f}")
         with running_cell(speed=10.0) as cell:
-            receiver.listen(0.1)
-            lines = [line for _, line in receiver.heard]
+            deadline_s = time.monotonic() + 30.0
+            while (lines := [line for _, line in receiver.heard]).count("READY=1") == 0:
+                assert time.monotonic() < deadline_s, "it is not told that the daemon is ready"
+                receiver.listen(0.1)
             assert lines.count("READY=1") == 1
             assert any(line.startswith("EXTEND_TIMEOUT_USEC=") for line in lines)
             assert "READY=1" not in lines[: lines.index(_last_extension(lines))]
