@@ -68,9 +68,15 @@ def go_on_to_the_end(cell: RunningCell) -> None:
         at_rest = now.state.state in {"fault_held", "fault_stopped", "paused_resting"}
         return at_rest or (now.state.state == "idle" and now.job is not None)
 
+    closed_on_nothing = False
     while (now := cell.wait("the end, or a stop", decided)).state.state != "idle":
         if not now.doubt:
             assert_belief(cell, now)
+        if now.fault.entry is not None and now.fault.entry.code == "gripper_holds":
+            closed_on_nothing = True  # its output fell with the robot's supply
+        elif closed_on_nothing and now.state.state == "paused_resting":
+            cell.hand("open", part_held=True)
+            closed_on_nothing = False
         command = "resume" if now.state.state == "paused_resting" else "reset"
         try:
             cell.client.command(command)
