@@ -91,6 +91,8 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
     write_config(base.model_copy(update=changes), target.root / "etc/cellctl/cell.toml")
     (target.root / "opt/cellctl/bar.json").write_bytes(bar(1, 1, 2))
     shutil.copy(REPOSITORY / "tests/service/probe.py", target.root / "opt/cellctl/probe.py")
+    # The machine has a /tmp of its own, and the repository may lie in ours.
+    shutil.copytree(REPOSITORY / "scripts", target.root / "opt/upgrade/scripts")
     units = target.root / "etc/systemd/system"
     (units / "emulated.service").write_text(EMULATED)
     shutil.copy(units / "cellctl.service", units / "probe.service")
@@ -156,7 +158,7 @@ def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) ->
     assert cell.property_of("cellctl.service", "StatusText")
 
     cell.run("cellctl", "build", "/opt/cellctl/bar.json", check=False)
-    refusal = cell.run("bash", str(REPOSITORY / "scripts/install"), check=False)
+    refusal = cell.run("bash", "/opt/upgrade/scripts/install", check=False)
     assert refusal.returncode == 1
     assert "refused: a job is under way" in refusal.stderr
     wait("the object", lambda: built(cell))
