@@ -122,6 +122,35 @@ class LimitsSection(Section):
     """Most cells on top of each other without a neighbour at their side."""
 
 
+class StabilitySection(Section):
+    """What holds parts together, and what a placement does to them.
+
+    The paper publishes none of these. The defaults reproduce what it observed with parts of
+    0.15 kg: a row of three holds over nothing and one of four does not, a lone column of four
+    stands while it is built and one of five does not. Measure your own parts.
+    """
+
+    magnet_force_n: Positive = 22.0
+    """Pull that one joint of two faces holds, straight apart."""
+    contact: Literal["diamond", "square"] = "diamond"
+    """Where two faces touch: a square that stands on its corner (cuboctahedra), or a whole face."""
+    friction: Annotated[float, Field(ge=0.0, le=2.0)] = 0.5
+    """Coefficient between two faces, and between a part and the floor."""
+    floor: Literal["grips", "bare"] = "grips"
+    """``grips``: the floor holds a part like another part does; ``bare``: it only carries it."""
+    polarity: Literal["genderless", "directed"] = "genderless"
+    """``genderless``: any two side faces attract; ``directed``: only opposite ones, so that all
+    parts must be placed with the same yaw."""
+    yaw_symmetry_deg: Literal[90, 180, 360] = 90
+    """A part turned by this about the vertical is the same part."""
+    placement_down_n: NotNegative = 1.5
+    """How hard a part is pressed down when it is placed."""
+    placement_side_n: NotNegative = 3.2
+    """How hard it may be pushed aside meanwhile, at its top face, in any direction."""
+    least_margin: Annotated[float, Field(ge=1.0, le=10.0)] = 1.0
+    """The joints must bear this many times what every step asks of them."""
+
+
 class RobotSection(Section):
     """The arm and its controller."""
 
@@ -221,6 +250,11 @@ class PlanningSection(Section):
 
     scale_unitless_to_workspace: bool = True
     """A mesh without a unit is scaled until it fills the workspace; else it is taken as metres."""
+    policy: Literal["cellctl", "paper"] = "cellctl"
+    """``cellctl`` proves every step and keeps the shape; ``paper`` follows the paper's algorithms
+    1 to 5, its thresholds and its rescaling."""
+    budget_s: Positive = 20.0
+    """How long a plan may be improved; the best verified one so far is taken then (wall time)."""
     timeout_s: Positive = 60.0
     """For one plan (wall time)."""
 
@@ -303,6 +337,7 @@ class CellConfig(Section):
     tool: ToolSection
     voxel: VoxelSection
     limits: LimitsSection
+    stability: StabilitySection = StabilitySection()
     robot: RobotSection
     gripper: GripperSection
     feeder: FeederSection
