@@ -173,7 +173,9 @@ def restore_backup(archive: Path, configuration: Path) -> tuple[Manifest, tuple[
         config = load_config(folder / CONFIGURATION)
         try:
             with ExitStack() as locks:
-                for journal in sorted({Path(config.journal.path), *_present_journal(configuration)}):
+                for journal in sorted(
+                    {Path(config.journal.path), *_present_journal(configuration)}
+                ):
                     locks.enter_context(JournalLock(journal))
                 return manifest, _put_in_place(folder, manifest, config, configuration)
         except OSError as error:
