@@ -65,6 +65,13 @@ def _serve(connection: Connection) -> None:
             return
 
 
+def _reap(process: multiprocessing.process.BaseProcess) -> None:
+    """Wait for a killed process, so that nothing of it is left."""
+    process.join(_EXIT_PATIENCE_S)
+    if process.exitcode is not None:
+        process.close()
+
+
 class WorkerProcess:
     """One process for one kind of work.
 
@@ -106,7 +113,7 @@ class WorkerProcess:
             finished = False
             try:
                 async with asyncio.timeout(timeout_s):
-                    connection = self._ensure_started()
+                    connection = await self._ensure_started()
                     # Large arguments wait for the worker to read them.
                     call = (function, arguments, progress is not None)
                     await asyncio.to_thread(connection.send, call)
@@ -120,7 +127,7 @@ class WorkerProcess:
                 raise WorkerError(f"The {self._name} died in the middle of its work.") from None
             finally:
                 if not finished:
-                    self._kill()
+                    await self._kill()
         if kind == "refused":
             raise value
         if kind == "defect":
@@ -135,11 +142,11 @@ class WorkerProcess:
             return
         connection.close()
         await asyncio.to_thread(process.join, _EXIT_PATIENCE_S)
-        self._kill()
+        await self._kill()
 
-    def _ensure_started(self) -> Connection:
+    async def _ensure_started(self) -> Connection:
         if self._process is not None and not self._process.is_alive():
-            self._kill()
+            await self._kill()
         if self._connection is None:
             ours, theirs = self._context.Pipe()
             process = self._context.Process(
@@ -167,13 +174,13 @@ class WorkerProcess:
         finally:
             loop.remove_reader(connection.fileno())
 
-    def _kill(self) -> None:
+    async def _kill(self) -> None:
         process, connection = self._process, self._connection
         self._process = self._connection = None
-        if process is not None:
-            process.kill()
-            process.join(_EXIT_PATIENCE_S)
-            process.close()
         if connection is not None:
             with contextlib.suppress(OSError):
                 connection.close()
+        if process is not None:
+            process.kill()
+            # A large process takes its time to go, and the loop must not wait for it.
+            await asyncio.shield(asyncio.to_thread(_reap, process))

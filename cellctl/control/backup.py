@@ -14,7 +14,7 @@ import shutil
 import sqlite3
 import tarfile
 import tempfile
-from contextlib import closing
+from contextlib import ExitStack, closing
 from datetime import datetime
 from pathlib import Path, PurePosixPath
 from typing import Final, Literal
@@ -25,7 +25,7 @@ from cellctl import __version__
 from cellctl.assembly import Value
 from cellctl.config import CellConfig, load_config
 from cellctl.control.journal_lock import JournalLock, give_to_owner_of_folder
-from cellctl.errors import CellctlError, UsageError
+from cellctl.errors import CellctlError, ConfigError, UsageError
 
 CONFIGURATION: Final = "cell.toml"
 JOURNAL: Final = "journal.db"
@@ -172,13 +172,28 @@ def restore_backup(archive: Path, configuration: Path) -> tuple[Manifest, tuple[
             ) from error
         config = load_config(folder / CONFIGURATION)
         try:
-            with JournalLock(Path(config.journal.path)):
+            with ExitStack() as locks:
+                for journal in sorted(
+                    {Path(config.journal.path), *_present_journal(configuration)}
+                ):
+                    locks.enter_context(JournalLock(journal))
                 return manifest, _put_in_place(folder, manifest, config, configuration)
         except OSError as error:
             raise CellctlError(
                 f"{error.filename}: cannot be restored: {error.strerror}.",
                 f"Run it as root; what was replaced stands beside it as *{ASIDE}.",
             ) from error
+
+
+def _present_journal(configuration: Path) -> tuple[Path, ...]:
+    """The journal that a daemon may be running on, which need not be the archive's.
+
+    A configuration that is missing or damaged, which may be why one restores, names none.
+    """
+    try:
+        return (Path(load_config(configuration).journal.path),)
+    except ConfigError:
+        return ()
 
 
 def _unpack(archive: Path, folder: Path) -> Manifest:

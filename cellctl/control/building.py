@@ -24,7 +24,7 @@ from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
 from cellctl.control.ledger import Ledger
 from cellctl.control.moving import ArmAndLatch
-from cellctl.control.recovery import LIFT_SHARE, Doubt, Evidence, moves_to, settle
+from cellctl.control.recovery import LIFT_SHARE, Doubt, Evidence, moves_to, settle, unconfirmed
 from cellctl.errors import CellFault, RefusedError, UsageError
 from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
@@ -82,6 +82,8 @@ class Builder:
         """The act in which the belt was asked for a part."""
         self._lifted = False
         """The part in the gripper was seen to leave the station."""
+        self._vouched = False
+        """A person has said that the part is in the gripper, whatever the latch confirms."""
         self._retries = 0
         self._waited_s = 0.0
         self._part_began_s: float | None = None
@@ -141,8 +143,7 @@ class Builder:
             routes.pick_stance().tcp_pose,
             routes.place_stance(cell).tcp_pose if cell is not None else None,
         )
-        part = f"Part {step.index + 1}" if step is not None else "The part"
-        settlement = settle(ledger, unsettled, evidence, part)
+        settlement = settle(ledger, unsettled, evidence, _called(step))
         for act in settlement.acts:
             self._journal.settle(act.act_id, act.outcome, act.detail, act.moves, act.belt_indexes)
         if settlement.missed:
@@ -169,6 +170,11 @@ class Builder:
     def misses_held(self) -> bool:
         """Whether a part counts as held and the latch does not confirm it."""
         return self.grip is Grip.PART and not self._hands.latched()
+
+    def doubt_unconfirmed(self, step: Step | None) -> None:
+        """The latch does not confirm the part that counts as held; a person has to look."""
+        assert self.ledger.holding, "only a part that counts as held can be missed"
+        self.doubt = unconfirmed(_called(step), self._hands.is_told_open())
 
     def doubt_held(self, sentence: str, believed: PartPlace) -> None:
         """The part that counts as held may be elsewhere; a person has to look.
@@ -210,7 +216,7 @@ class Builder:
             cell = step.cell if step is not None and part == "cell" else None
             await self._journal.record(ActKind.SETTLE, cell=cell, detail=detail, moves=moves)
         self.doubt = self._open_act = None
-        self._lifted = part == "gripper"
+        self._lifted = self._vouched = part == "gripper"
 
     def _undoubted(self) -> Doubt:
         """The part that was on its way, as if it were in doubt.
@@ -295,7 +301,7 @@ class Builder:
             self._latch_moves(ActKind.PICK)
             await hands.close()
             act.moves, act.belt_indexes = (Move.PICK,), belt.indexes
-            self._lifted = False
+            self._lifted = self._vouched = False
         return True
 
     async def place(self, job: Job) -> bool:
@@ -334,10 +340,14 @@ class Builder:
         """Let the part go at its cell and count it.
 
         Raises:
-            CellFault: of the gripper.
+            CellFault: of the gripper; ``gripper_silent`` when the latch has ceased to confirm its
+                part on the way, which may then lie anywhere.
         """
         step = job.step
         assert step is not None, "letting go needs a step"
+        if self.misses_held() and not self._vouched:
+            self.doubt_unconfirmed(step)
+            raise CellFault("gripper_silent", "It has ceased to confirm the part on the way.")
         async with self._act(ActKind.RELEASE, job) as act:
             self._hands.expect_at(self._hands.routes.place_stance(step.cell))
             self._latch_moves(ActKind.RELEASE)
@@ -459,3 +469,8 @@ class Builder:
             step.index if step is not None else None,
             step.cell if step is not None else None,
         )
+
+
+def _called(step: Step | None) -> str:
+    """What people call the part of a step."""
+    return f"Part {step.index + 1}" if step is not None else "The part"

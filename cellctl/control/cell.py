@@ -196,10 +196,8 @@ class Cell:
                 next ``resume`` takes for granted that it is.
         """
         if self.builder.doubt is None and self.builder.misses_held():
-            self.builder.doubt_held(
-                "The part should be in the gripper, and the latch does not confirm it any more",
-                believed="gripper",
-            )
+            job = self.active_job
+            self.builder.doubt_unconfirmed(job.step if job is not None else None)
             self.tell()
             raise RefusedError(self.last_state.sentence)
         if self.builder.doubt is not None:

@@ -11,6 +11,7 @@ import pytest
 
 from cellctl.errors import RefusedError
 from cellctl.messages import Snapshot
+from cellctl.sim.world_values import ViolationKind
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -87,13 +88,27 @@ def go_on_to_the_end(cell: RunningCell) -> None:
     job = cell.client.snapshot().job
     assert job is not None
     assert job.outcome == "built"
+    forgive_the_latch(cell)
     cell.assert_as_planned()
 
 
+def forgive_the_latch(cell: RunningCell) -> None:
+    """When the robot's supply fails an open latch closes by itself, wherever it is."""
+    held = cell.truth().violations
+    if all(one.kind is ViolationKind.PICKED_NOTHING for one in held[cell.held_before :]):
+        cell.held_before = len(held)
+
+
 def assert_belief(cell: RunningCell, now: Snapshot) -> None:
-    """What the cell believes of its structure is the case, once a cut-off act is settled."""
-    if now.gripper.holding in {"nothing", "part"}:
-        assert set(now.standing) == set(cell.truth().built)
+    """What the cell believes of its structure is the case, once a cut-off act is settled.
+
+    A latch that has closed by itself may have taken hold of the part that was just placed: what the
+    status line tells of it is looked at before anything moves (``gripper_holds``).
+    """
+    truth = cell.truth()
+    holding = now.gripper.holding
+    if holding in {"nothing", "part"} and truth.latch["latched"] == (holding == "part"):
+        assert set(now.standing) == set(truth.built)
 
 
 def build_and_let_die(
@@ -108,7 +123,7 @@ def build_and_let_die(
     cell.clear_workspace()
 
 
-@pytest.mark.parametrize("what", ["the arm process", "the conveyor's board"])
+@pytest.mark.parametrize("what", DEATHS)
 def test_a_death_beside_the_daemon(cell: RunningCell, what: str) -> None:
     instants = random.Random(what)  # noqa: S311 - which instants is of no consequence
     build_and_let_die(cell, DEATHS[what], instants.uniform(0.0, _FARTHEST_S), height=3)

@@ -274,10 +274,26 @@ def test_a_latch_that_is_no_longer_confirmed_is_asked_about_before_the_arm_goes_
     stop_with_a_part(idle, 2, 1, 1)
     idle.world.inject("gripper_reboot")
     see_the_status_fall(idle)
-    with pytest.raises(RefusedError, match="does not confirm it any more: look"):
+    with pytest.raises(RefusedError, match="the latch does not confirm it: look"):
         idle.client.command("resume")
     assert idle.client.snapshot().doubt
     idle.client.command("resume")  # it is there
+    finish(idle)
+
+
+def test_a_latch_that_ceases_to_confirm_on_the_way_does_not_count_a_part_as_placed(
+    idle: RunningCell,
+) -> None:
+    begin(idle, 2, 1, 1)
+    idle.wait_mid_place()
+    idle.world.inject("gripper_reboot")
+    expect_fault(idle, "gripper_silent")
+    idle.client.command("reset")
+    snapshot = idle.wait_state("paused_resting")
+    assert snapshot.doubt
+    assert "the latch does not confirm it" in snapshot.state.sentence
+    assert snapshot.standing == ()
+    idle.client.command("resume")  # a person has looked: it is there
     finish(idle)
 
 
@@ -286,10 +302,10 @@ def test_a_part_that_fell_out_of_a_latch_opened_on_the_pendant_is_told(idle: Run
     idle.world.inject("part_dropped")
     idle.world.inject("output_changed", line=0, high=True)
     see_the_status_fall(idle)
-    with pytest.raises(RefusedError, match="look, then say resume"):
+    with pytest.raises(RefusedError, match="somebody has opened it: look, then say resume"):
         idle.client.command("resume")
     with pytest.raises(UsageError, match="The latch is open"):
-        idle.client.command("resume")
+        idle.client.request(say("gripper"))
     idle.client.request(say("unknown"))
     idle.assert_inventory_true()
     idle.client.command("resume")

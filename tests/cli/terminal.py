@@ -29,7 +29,9 @@ class Terminal:
         self._read_to = 0
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "cellctl", *arguments],
+                # Whoever runs the tests in the background of a script has interrupts ignored, and
+                # hands that down; a person's terminal has not.
+                ["env", "--default-signal=INT", sys.executable, "-m", "cellctl", *arguments],
                 stdin=theirs,
                 stdout=theirs,
                 stderr=theirs,

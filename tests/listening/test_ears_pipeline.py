@@ -92,6 +92,22 @@ def test_a_command_comes_out_soon_after_its_end(say: Say) -> None:
     assert pipeline.now_s - end_s < 0.45
 
 
+def test_a_command_is_cut_out_of_fainter_talk_before_and_after_it(
+    say: Say, whisper: Recogniser
+) -> None:
+    talk = (say("it moves quite fast and I like this one") * 0.08).astype(np.int16)
+    word = say("please stop")
+    pipeline = Pipeline(SileroDetector())
+    pipeline.expecting = "command"
+    heard(pipeline, quiet(1.0))
+    found = segments(heard(pipeline, talk, word, talk, quiet(1.0)))
+    commands = [overheard_command(whisper.transcribe(part.samples).text) for part in found]
+    assert commands.count("stop") == 1
+    stop = found[commands.index("stop")]
+    assert len(stop.samples) / 16_000 < len(word) / 16_000 + 0.9
+    assert stop.speech_end_s == pytest.approx(1.0 + (len(talk) + len(word)) / 16_000, abs=0.3)
+
+
 @pytest.mark.parametrize("pause_s", [0.0, 0.5])
 def test_what_follows_the_wake_word_is_a_request(
     say: Say, whisper: Recogniser, pause_s: float

@@ -118,6 +118,18 @@ def test_a_restore_is_refused_while_a_daemon_runs(cell: BackedUpCell) -> None:
     assert not list(cell.folder.rglob("*.before-restore"))
 
 
+def test_a_restore_is_refused_while_a_daemon_runs_on_another_journal(cell: BackedUpCell) -> None:
+    assert cell.run("backup", str(cell.archive)).returncode == 0
+    other = cell.folder / "other.db"
+    cell.config.write_text(cell.config.read_text().replace(str(cell.journal), str(other)))
+    assert str(other) in cell.config.read_text()
+    with JournalLock(other):
+        result = cell.run("restore", str(cell.archive))
+    assert result.returncode == 2
+    assert f"process {os.getpid()} uses this journal" in " ".join(result.stderr.split())
+    assert not list(cell.folder.rglob("*.before-restore"))
+
+
 def _changed(archive: Path, member: str, content: bytes) -> None:
     """Replace one member's content; the manifest stays as it was."""
     with tarfile.open(archive) as tar:

@@ -33,6 +33,7 @@ REFUSED = (
 )
 # There is no journal daemon in the machine.
 LOG = "/var/log/services.log"
+INSTALL = "/opt/upgrade/scripts/install"
 EMULATED = f"""[Service]
 StandardOutput=append:{LOG}
 StandardError=append:{LOG}
@@ -92,7 +93,11 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
     (target.root / "opt/cellctl/bar.json").write_bytes(bar(1, 1, 2))
     shutil.copy(REPOSITORY / "tests/service/probe.py", target.root / "opt/cellctl/probe.py")
     # The machine has a /tmp of its own, and the repository may lie in ours.
-    shutil.copytree(REPOSITORY / "scripts", target.root / "opt/upgrade/scripts")
+    for name in ("scripts", "cellctl", "docs", "config", "systemd"):
+        shutil.copytree(REPOSITORY / name, target.root / "opt/upgrade" / name)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(REPOSITORY / name, target.root / "opt/upgrade" / name)
+    shutil.copy(target.python, target.root / "opt/upgrade" / target.python.name)
     units = target.root / "etc/systemd/system"
     (units / "emulated.service").write_text(EMULATED)
     shutil.copy(units / "cellctl.service", units / "probe.service")
@@ -107,12 +112,20 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
         yield running
 
 
-def wait(what: str, holds: Callable[[], bool], patience_s: float = 40.0) -> None:
+def wait(cell: Machine, what: str, holds: Callable[[], bool], patience_s: float = 60.0) -> None:
     """Wait for something that systemd or the daemon tells."""
     deadline_s = time.monotonic() + patience_s
     while not holds():
-        assert time.monotonic() < deadline_s, f"waited in vain for {what}"
+        assert time.monotonic() < deadline_s, (
+            f"waited in vain for {what}\n{cell.run('cellctl', 'status', check=False).stdout}\n"
+            f"{cell.log_tail()}"
+        )
         time.sleep(0.05)
+
+
+def state(cell: Machine) -> str:
+    """Of the daemon's machine."""
+    return str(json.loads(cell.run("cellctl", "status", "--json").stdout)["state"]["state"])
 
 
 def built(cell: Machine) -> bool:
@@ -154,23 +167,42 @@ def test_what_the_units_restrictions_leave_to_the_daemon(cell: Machine) -> None:
 def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) -> None:
     cell.run("systemctl", "start", "emulated.service")
     cell.run("systemctl", "start", "cellctl.service")  # returns when the daemon has said READY
-    wait("an idle cell", lambda: '"idle"' in cell.run("cellctl", "status", "--json").stdout)
+    wait(cell, "an idle cell", lambda: state(cell) == "idle")
     assert cell.property_of("cellctl.service", "StatusText")
 
     cell.run("cellctl", "build", "/opt/cellctl/bar.json", check=False)
-    refusal = cell.run("bash", "/opt/upgrade/scripts/install", check=False)
+    refusal = cell.run("bash", INSTALL, check=False)
     assert refusal.returncode == 1
     assert "refused: a job is under way" in refusal.stderr
-    wait("the object", lambda: built(cell))
+    wait(cell, "the object", lambda: built(cell))
     truth = json.loads(cell.run("cellctl", "sim", "truth").stdout)
     assert sorted(truth["built"]) == [[2, 2, 0], [2, 2, 1]]  # in the middle
     assert truth["violations"] == []
 
     cell.run("systemctl", "kill", "--kill-who=main", "--signal=STOP", "cellctl.service")
-    wait("a restart", lambda: cell.property_of("cellctl.service", "NRestarts") == "1")
-    wait("the daemon", lambda: cell.property_of("cellctl.service", "ActiveState") == "active")
+    wait(cell, "a restart", lambda: cell.property_of("cellctl.service", "NRestarts") == "1")
+    wait(cell, "the daemon", lambda: cell.property_of("cellctl.service", "ActiveState") == "active")
     snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
     assert len(snapshot["standing"]) == 2, f"{snapshot}\n{cell.log_tail()}"
 
     cell.run("systemctl", "stop", "cellctl.service")
     assert cell.property_of("cellctl.service", "Result") == "success"
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+def test_an_upgrade_that_does_not_start_is_taken_back(cell: Machine) -> None:
+    cell.run("systemctl", "start", "emulated.service", "cellctl.service")
+    before = json.loads(cell.run("cellctl", "status", "--json").stdout)
+    # What it makes is no daemon: it ends at once.
+    python = "PYTHON=/opt/upgrade/python3.11"
+    upgrade = cell.run("env", python, "LOG=/dev/null", "bash", INSTALL, check=False)
+    assert upgrade.returncode == 1, upgrade.stderr
+    assert "the old one runs again, with its journal" in upgrade.stderr
+    assert cell.property_of("cellctl.service", "ActiveState") == "active"
+    after = json.loads(cell.run("cellctl", "status", "--json").stdout)
+    assert after["standing"] == before["standing"]
+    assert after["inventory"] == before["inventory"]
+    assert cell.path("/opt/cellctl/venv.failed").is_dir()
+    assert not cell.path("/opt/cellctl/venv.old").exists()
+    cell.run("systemctl", "stop", "cellctl.service")

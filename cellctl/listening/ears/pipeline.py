@@ -41,6 +41,9 @@ _BACKGROUND_SHARE = 0.2
 _BACKGROUND_LEAST_S = 1.0
 BEFORE_S = 0.32
 """Sound that is kept from before the first speech: a soft consonant is no speech yet."""
+OWN_LEVEL = 0.25
+"""What can only be a command is one voice: what falls below this share of its loudest moment is
+somebody else's, and what came before it rose from there too. 10 dB."""
 REQUEST_SILENCE_S = 0.6
 """Silence that ends a request: people stop to think."""
 COMMAND_SILENCE_S = 0.25
@@ -88,6 +91,7 @@ class Pipeline:
         self._before: deque[bytes] = deque(maxlen=round(BEFORE_S / CHUNK_S))
         self._levels: deque[float] = deque(maxlen=round(BACKGROUND_S / CHUNK_S))
         self._spoken: deque[bytes] = deque()
+        self._loudest = 0.0
         self._speech_s = 0.0
         self._speech_end_s = 0.0
 
@@ -141,10 +145,14 @@ class Pipeline:
             self.listen("wake_word")
         talking = bool(self._spoken)
         probability = self._speech.probability(chunk)
-        near = self._is_near(chunk)
+        near = self._is_near(chunk) and self._is_own()
         if near and probability >= (SPEECH_ENDS if talking else SPEECH_BEGINS):
+            if talking and self._loudest < OWN_LEVEL * self._levels[-1] and not self._whole:
+                self._drop()  # what was heard so far was further off
+                talking = False
             if not talking:
                 self._spoken.extend(self._before)
+            self._loudest = max(self._loudest, self._levels[-1])
             self._speech_s += CHUNK_S
             self._speech_end_s = self._now_s
             talking = True
@@ -170,6 +178,16 @@ class Pipeline:
         background = sorted(self._levels)[int(_BACKGROUND_SHARE * len(self._levels))]
         return level >= FOREGROUND * background
 
+    def _is_own(self) -> bool:
+        """Whether the newest sound is as loud as the voice that speaks a command."""
+        return self._whole or self._levels[-1] >= OWN_LEVEL * self._loudest
+
+    @property
+    def _whole(self) -> bool:
+        """Whether a whole request is being spoken, in which people pause and lower their voice."""
+        requested = self._after or self.open_to_all
+        return bool(requested) and self.expecting == "request"
+
     def _wakes(self, chunk: bytes) -> bool:
         if self._wake_word is None or not self._wake_word.heard(chunk):
             return False
@@ -187,8 +205,7 @@ class Pipeline:
                 return True
         elif self._length_s > BEFORE_S + COMMAND_LONGEST_S:
             self._spoken.popleft()
-        whole = requested and self.expecting == "request"
-        silence_s = REQUEST_SILENCE_S if whole else COMMAND_SILENCE_S
+        silence_s = REQUEST_SILENCE_S if self._whole else COMMAND_SILENCE_S
         return self._now_s - self._speech_end_s > silence_s - CHUNK_S / 2
 
     @property
@@ -210,4 +227,4 @@ class Pipeline:
     def _drop(self) -> None:
         self._before.extend(self._spoken)
         self._spoken.clear()
-        self._speech_s = 0.0
+        self._speech_s = self._loudest = 0.0
