@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ import typer
 from rich.console import Console
 
 from cellctl.assembly import BuildPlan, Intent
+from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.cli.plan_files import Outputs
 from cellctl.cli.plan_progress import PlanProgress
@@ -60,6 +62,11 @@ def make_plan(
     _refuse_misfit(kind, height_m, up)
     inventory = config.limits.inventory_parts
     if kind == "sentence":
+        if os.path.isfile(given):  # noqa: PTH113 - unlike pathlib's, it takes any sentence
+            raise UsageError(
+                f"{given}: not a kind of file that can be planned.",
+                f"Use one of .json, {', '.join(MESH_SUFFIXES)}.",
+            )
         from cellctl.generating.design import design  # noqa: PLC0415 - heavy
         from cellctl.listening.request import read_request  # noqa: PLC0415
         from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
@@ -72,16 +79,16 @@ def make_plan(
             request = request.model_copy(update={"dimensions_m": sizes})
         return plan_build(design(request, config), config, inventory, progress)
 
-    from cellctl.validating.files import load_mesh  # noqa: PLC0415
+    from cellctl.validating.files import read_mesh  # noqa: PLC0415
     from cellctl.validating.plan import plan_build, plan_file  # noqa: PLC0415 - heavy
 
     path = Path(given)
     if not path.is_file():
         raise UsageError(f"{path}: there is no such file.")
     if kind == "mesh":
-        mesh = load_mesh(path, up=up, height_m=height_m)
+        mesh = read_mesh(path.name, read_file(path), up=up, height_m=height_m)
         return plan_build(mesh, config, inventory, progress)
-    return plan_file(path.name, path.read_bytes(), config, inventory, progress)
+    return plan_file(path.name, read_file(path), config, inventory, progress)
 
 
 def _refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:

@@ -16,7 +16,9 @@ COLUMNS: Final = 100
 """No line is longer, however wide the screen."""
 
 _GAP: Final = "   "
-_LEGEND: Final = "Seen from above: x to the right, y up the page; the numbers are the steps."
+_LEGEND: Final = "From above, x to the right, y up the page; the numbers are the steps."
+_LEAST_ABREAST: Final = 3
+"""Where the workspace is too wide for so many layers side by side, the object is shown alone."""
 
 
 def report_console() -> Console:
@@ -41,7 +43,6 @@ def show_report(console: Console, report: PlanReport, grid: tuple[int, int, int]
     if lines := layer_lines(report, grid, console.width - 2):
         for line in lines:
             console.print(Text(f"  {line}"), no_wrap=True, overflow="ignore", crop=False)
-        console.print(Text(f"  {_LEGEND}", style="dim"))
         console.print()
     table = Table.grid(padding=(0, 2))
     table.add_column(no_wrap=True)
@@ -121,7 +122,7 @@ def layer_lines(report: PlanReport, grid: tuple[int, int, int], columns: int) ->
     """The object's layers from the floor up as text, side by side as far as they fit.
 
     y runs up the page and x to the right; a part has the number of the step that places it, from 1,
-    or ``#`` if it stood there before.
+    or ``#`` if it stood there before. A line at the end says so. Nothing where nothing stands.
     """
     if not report.cells:
         return []
@@ -131,8 +132,10 @@ def layer_lines(report: PlanReport, grid: tuple[int, int, int], columns: int) ->
     shown = {cell: number.get(cell, "#") for cell in report.cells}
     digits = max(len(text) for text in shown.values())
     span = (range(grid[0]), range(grid[1]))
-    if (digits + 1) * grid[0] > columns:  # a wide workspace: the object alone
+    legend = _LEGEND
+    if (digits + 1) * grid[0] > columns // _LEAST_ABREAST:  # a wide workspace: the object alone
         span = (_span(cell.x for cell in shown), _span(cell.y for cell in shown))
+        legend += f" Lower left is x {span[0][0]}, y {span[1][0]}."
     width = max((digits + 1) * len(span[0]) - 1, len("layer 00"))
     abreast = max(1, (columns + len(_GAP)) // (width + len(_GAP)))
     layers = range(max(cell.z for cell in shown) + 1)
@@ -147,7 +150,7 @@ def layer_lines(report: PlanReport, grid: tuple[int, int, int], columns: int) ->
                 for z in together
             )
             lines.append(_GAP.join(rows).rstrip())
-    return lines
+    return [*lines, "", legend]
 
 
 def _rows(report: PlanReport) -> Iterator[tuple[str, str, str]]:

@@ -131,6 +131,34 @@ def test_a_refusal_is_told_and_reported(
     assert says in refused.message
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("empty.stl", b"", "the file is empty"),
+        ("noise.glb", b"noise", "cannot be read as GLB"),
+        ("noise.json", b"{", "is not valid JSON"),
+        ("chair.fbx", b"chair", "not a kind of file that can be planned"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_reported(
+    run: Run, tmp_path: Path, name: str, content: bytes, says: str
+) -> None:
+    file, path = tmp_path / name, tmp_path / "report.json"
+    file.write_bytes(content)
+    status, _, err = run(str(file), "--json", str(path))
+    assert status == 2
+    assert says in err
+    refused = reported(path).refused
+    assert refused is not None
+    assert (refused.rule, refused.exit_status) == ("input", 2)
+
+
+def test_a_long_sentence_is_no_file_name(run: Run) -> None:
+    status, _, err = run("please " * 100 + "build me a dragon")
+    assert status == 4
+    assert "dragon" in err
+
+
 def test_a_shape_that_breaks_a_rule_is_reported(run: Run, tmp_path: Path) -> None:
     file, path = tmp_path / "cells.json", tmp_path / "report.json"
     file.write_text('{"cells": [[0, 0, 0], [2, 0, 0]], "pitch_m": 0.1}')

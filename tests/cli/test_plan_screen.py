@@ -41,26 +41,30 @@ def printed(report: PlanReport, grid: tuple[int, int, int] = (4, 2, 3)) -> str:
 
 
 def test_layers_show_which_step_places_which_part() -> None:
-    assert layer_lines(reported(), (4, 2, 3), 80) == [
+    *layers, empty, legend = layer_lines(reported(), (4, 2, 3), 80)
+    assert layers == [
         "layer 0    layer 1",
         ". . . .    . . . .",
         "1 . . .    2 3 4 .",
     ]
+    assert empty == ""
+    assert "x to the right" in legend
 
 
 def test_what_stood_before_has_no_number() -> None:
     report = report_plan(changeover(), ASKED, SETTINGS, 0.0)
-    assert layer_lines(report, (2, 1, 3), 80) == [
+    assert layer_lines(report, (2, 1, 3), 80)[:-2] == [
         "layer 0    layer 1    layer 2",
         "# .        # .        3 .",
     ]
 
 
 def test_layers_are_never_wider_than_the_screen() -> None:
-    cells = [Cell(x, y, z) for z in range(12) for x in range(12) for y in range(6)]
+    cells = [Cell(x, y, z) for z in range(12) for x in range(3, 15) for y in range(2, 8)]
     report = report_plan(plan_of(placing(cells), cells), ASKED, SETTINGS, 0.0)
-    lines = layer_lines(report, (40, 30, 12), 98)
+    *lines, legend = layer_lines(report, (40, 30, 12), 98)
     assert max(map(len, lines)) <= 98
+    assert legend.endswith("Lower left is x 3, y 2.")
     shown = " ".join(lines).split()
     assert all(shown.count(str(number)) >= 1 for number in range(1, len(cells) + 1))
     assert "." not in shown  # 40 cells do not fit: only the object is shown
