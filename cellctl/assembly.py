@@ -166,7 +166,7 @@ class Weakest(Value):
     other: Cell
     """The other part, or with z -1 the floor below it."""
     description: str
-    """The joint in words."""
+    """Where it is, in words: ``between [2, 0, 1] and [1, 0, 1]``."""
 
 
 class Closeness(Value):

@@ -168,7 +168,7 @@ def _mark(scene: Scene, weakest: Weakest) -> None:
     scene.polygon(corners, facecolor="none", edgecolor=WRONG, linewidth=2.2)
     spot = scene.camera.project(middle[None, :])[0]
     scene.axes.annotate(
-        f"weakest joint\n{weakest.margin:.2f} times what step {weakest.step + 1} needs",
+        f"weakest joint\nmargin {weakest.margin:.2f}, in step {weakest.step + 1}",
         xy=spot,
         xycoords="data",
         xytext=(0.51, 0.925),

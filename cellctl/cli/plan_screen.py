@@ -91,11 +91,14 @@ def margin_words(report: PlanReport) -> str:
     done = "placed at" if worst.kind is StepKind.PLACE else "taken from"
     words = (
         f"{worst.margin:.2f} at its least, in step {worst.index + 1} of {len(report.placements)}, "
-        f"a part {done} {list(worst.cell)}: the magnets are {worst.margin:.2f} times as strong as "
-        "they must be."
+        f"a part {done} {list(worst.cell)}: "
     )
+    if worst.margin >= 1.0:
+        words += f"the magnets are {worst.margin:.2f} times as strong as they must be."
+    else:
+        words += "it would come apart then."
     if report.weakest is not None:
-        words += f" Weakest is {report.weakest.description}."
+        words += f" The weakest joint is the one {report.weakest.description}."
     return words
 
 

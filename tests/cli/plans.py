@@ -64,7 +64,7 @@ WEAKEST = Weakest(
     margin=1.5,
     cell=Cell(1, 0, 1),
     other=Cell(0, 0, 1),
-    description="the joint between [1, 0, 1] and [0, 0, 1]",
+    description="between [1, 0, 1] and [0, 0, 1]",
 )
 
 

@@ -77,7 +77,7 @@ def test_everything_is_on_the_screen_within_its_columns() -> None:
         "beam: 4 parts, 30 x 10 x 20 cm",
         "by hand",
         "1.50 at its least, in step 4 of 4, a part placed at [2, 0, 1]",
-        "Weakest is the joint between [1, 0, 1] and [0, 0, 1].",
+        "The weakest joint is the one between [1, 0, 1] and [0, 0, 1].",
         "90% of the shape is kept; the paper's rescaling keeps 70%.",
         "One leg moved in. It would have tipped.",
         "Shall I build it so?",
@@ -98,6 +98,14 @@ def test_margin_words_say_when_no_magnet_is_needed_and_nothing_when_nobody_looke
     judged = report_plan(column, ASKED, SETTINGS, 0.0)
     assert "no step needs a magnet" in margin_words(judged)
     assert margin_words(judged.model_copy(update={"checks": ()})) == ""
+
+
+def test_margin_words_say_when_it_would_not_hold() -> None:
+    weak = plan_of(placing(BEAM, (None, None, 2.0, 0.4)), BEAM)
+    words = margin_words(report_plan(weak, ASKED, SETTINGS, 0.0))
+    assert words == (
+        "0.40 at its least, in step 4 of 4, a part placed at [2, 0, 1]: it would come apart then."
+    )
 
 
 @pytest.mark.parametrize(
