@@ -154,6 +154,34 @@ class Step(Value):
     """Stability margin of the structure after this step; at least 1 holds."""
 
 
+class Weakest(Value):
+    """The joint that comes nearest to giving way while a plan is carried out."""
+
+    step: Annotated[int, Field(ge=0)]
+    """Index of the step at which it does."""
+    margin: float
+    """How many times stronger the magnets are than this step needs."""
+    cell: Cell
+    """One of the two parts that it joins."""
+    other: Cell
+    """The other part, or with z -1 the floor below it."""
+    description: str
+    """Where it is, in words: ``between [2, 0, 1] and [1, 0, 1]``."""
+
+
+class Closeness(Value):
+    """How much of the shape that was asked for a plan keeps."""
+
+    score: Annotated[float, Field(ge=0.0, le=1.0)]
+    """Of the planned object; 1 is exactly what was asked for."""
+    baseline_score: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    """Of what the paper's rescaling makes of the same shape; none where it makes nothing."""
+    bound: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    """No plan can have a higher score than this; none where that was not found out."""
+    proven: bool = False
+    """Whether no plan with a higher score is possible."""
+
+
 class BuildPlan(Value):
     """What the arm will do, step by step, and what was checked and changed to get there."""
 
@@ -170,6 +198,10 @@ class BuildPlan(Value):
     policy: str = "cellctl"
     provenance: str = ""
     """Where the shape came from: the generator and its description."""
+    weakest: Weakest | None = None
+    """Where it comes nearest to giving way; none where no step asks anything of a joint."""
+    closeness: Closeness | None = None
+    """How near it is to what was asked for; none where nothing had to be sought."""
 
     @property
     def parts(self) -> int:

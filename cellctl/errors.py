@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from enum import IntEnum, StrEnum
 
-from cellctl.assembly import Role, Value
+from cellctl.assembly import Cell, Role, Value
 
 
 class ExitStatus(IntEnum):
@@ -85,10 +85,43 @@ class DesignError(CellctlError):
     exit_status = ExitStatus.CANNOT_PLAN
 
 
+class Nearest(Value):
+    """What could be built instead of what is refused."""
+
+    what: str
+    """In words for the visitor."""
+    cells: tuple[Cell, ...] = ()
+    """What it would consist of; empty where only words are known."""
+
+
 class PlanError(CellctlError):
-    """The shape cannot be built in this cell."""
+    """The shape cannot be built in this cell.
+
+    Args:
+        message: what is wrong and where.
+        hint: what to do about it.
+        rule: name of the check that it fails; empty where no single one is to blame.
+        cells: the cells that fail it.
+        nearest: the nearest thing that could be built.
+    """
 
     exit_status = ExitStatus.CANNOT_PLAN
+
+    def __init__(
+        self,
+        message: str,
+        hint: str = "",
+        rule: str = "",
+        cells: tuple[Cell, ...] = (),
+        nearest: Nearest | None = None,
+    ) -> None:
+        super().__init__(message, hint)
+        self.rule = rule
+        self.cells = cells
+        self.nearest = nearest
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (type(self), (self.message, self.hint, self.rule, self.cells, self.nearest))
 
 
 class RefusedError(CellctlError):

@@ -2,74 +2,117 @@
 
 from __future__ import annotations
 
+import math
+import os
+import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final, Literal
 
 import typer
 from rich.console import Console
 
-from cellctl.assembly import BuildPlan, Cell, Intent
-from cellctl.cli.options import ConfigOption, JsonOption, configuration
+from cellctl.assembly import BuildPlan, Intent
+from cellctl.cli.job_commands import read_file
+from cellctl.cli.options import ConfigOption, configuration
+from cellctl.cli.plan_files import Outputs
+from cellctl.cli.plan_progress import PlanProgress
+from cellctl.cli.plan_report import InputKind, PlanInput, report_plan, report_refusal
+from cellctl.cli.plan_screen import report_console, show_refusal, show_report
 from cellctl.config import CellConfig
-from cellctl.errors import NoObjectError, UsageError
+from cellctl.errors import CellctlError, NoObjectError, UsageError
 
-FILE_SUFFIXES = (".glb", ".gltf", ".stl", ".obj", ".ply", ".json")
+Progress = Callable[[str], None]
+Up = Literal["auto", "y", "z"]
+PlanPolicy = Literal["cellctl", "paper"]
+
+MESH_SUFFIXES: Final = (".glb", ".gltf", ".stl", ".obj", ".ply")
 
 
-def make_plan(wish: str, config: CellConfig) -> BuildPlan:
-    """Plan a sentence, or the mesh or plan file of that name.
+def input_kind(given: str) -> InputKind:
+    """What an input is, by how it is written: a file by its suffix, else a sentence."""
+    suffix = Path(given).suffix.lower()
+    if suffix in MESH_SUFFIXES:
+        return "mesh"
+    return "cells" if suffix == ".json" else "sentence"
+
+
+def make_plan(
+    given: str,
+    config: CellConfig,
+    *,
+    height_m: float | None = None,
+    up: Up = "auto",
+    progress: Progress | None = None,
+) -> BuildPlan:
+    """Plan a sentence, or the mesh, cells or plan file of that name.
+
+    Args:
+        given: the sentence or the file.
+        config: the cell; its planning section has the policy and the budget.
+        height_m: how high a sentence's object or a mesh shall be.
+        up: which axis of a mesh points up; ``auto`` goes by its format.
+        progress: told each stage as it begins.
 
     Raises:
         NoObjectError, DesignError, PlanError: it cannot be built.
-        UsageError: it looks like a file and there is none.
+        UsageError: there is no such file, it cannot be read, or an option does not go with it.
     """
-    from cellctl.generating.design import design  # noqa: PLC0415 - heavy
-    from cellctl.listening.request import read_request  # noqa: PLC0415
+    kind = input_kind(given)
+    _refuse_misfit(kind, height_m, up)
+    inventory = config.limits.inventory_parts
+    if kind == "sentence":
+        if os.path.isfile(given):  # noqa: PTH113 - unlike pathlib's, it takes any sentence
+            raise UsageError(
+                f"{given}: not a kind of file that can be planned.",
+                f"Use one of .json, {', '.join(MESH_SUFFIXES)}.",
+            )
+        from cellctl.generating.design import design  # noqa: PLC0415 - heavy
+        from cellctl.listening.request import read_request  # noqa: PLC0415
+        from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
+
+        request = read_request(given, config.voxel.pitch_m)
+        if request.intent is not Intent.DESIGN:
+            raise NoObjectError(request.reason)
+        if height_m is not None:
+            sizes = {**request.dimensions_m, "height": height_m}
+            request = request.model_copy(update={"dimensions_m": sizes})
+        return plan_build(design(request, config), config, inventory, progress)
+
+    from cellctl.validating.files import read_mesh  # noqa: PLC0415
     from cellctl.validating.plan import plan_build, plan_file  # noqa: PLC0415 - heavy
 
-    inventory = config.limits.inventory_parts
-    path = Path(wish)
-    if path.suffix.lower() in FILE_SUFFIXES:
-        if not path.is_file():
-            raise UsageError(f"{path}: there is no such file.")
-        return plan_file(path.name, path.read_bytes(), config, inventory)
-    request = read_request(wish, config.voxel.pitch_m)
-    if request.intent is not Intent.DESIGN:
-        raise NoObjectError(request.reason)
-    return plan_build(design(request, config), config, inventory)
+    path = Path(given)
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such file.")
+    if kind == "mesh":
+        mesh = read_mesh(path.name, read_file(path), up=up, height_m=height_m)
+        return plan_build(mesh, config, inventory, progress)
+    return plan_file(path.name, read_file(path), config, inventory, progress)
 
 
-def layers(cells: tuple[Cell, ...], grid: tuple[int, int, int]) -> list[str]:
-    """The layers from the floor up as text; y runs up the page, # is a part."""
-    occupied = set(cells)
-    nx, ny, _ = grid
-    height = max((cell.z for cell in cells), default=-1) + 1
-    blocks = [
-        [f"layer {z}"]
-        + ["".join(" #" if Cell(x, y, z) in occupied else " ." for x in range(nx)) for y in rows]
-        for z in range(height)
-        for rows in [range(ny - 1, -1, -1)]
-    ]
-    width = max(8, 2 * nx)
-    return ["   ".join(line.ljust(width) for line in row) for row in zip(*blocks, strict=True)]
+def _refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:
+    """Refuse options that the input has no use for, rather than overlook them."""
+    if height_m is not None and not (math.isfinite(height_m) and height_m > 0.0):
+        raise UsageError(f"--height-m {height_m:g}: no height.", "Give metres, such as 0.45.")
+    if height_m is not None and kind == "cells":
+        raise UsageError("--height-m: cells have their size already.", "Leave it out.")
+    if up != "auto" and kind != "mesh":
+        raise UsageError("--up: only a mesh can be turned upright.", "Leave it out.")
 
 
-def show_plan(console: Console, plan: BuildPlan, grid: tuple[int, int, int]) -> None:
-    """Print a plan for people."""
-    edges = " x ".join(f"{edge * plan.pitch_m * 100:.0f}" for edge in plan.assembly.size)
-    console.print(f"[bold]{plan.title}[/]: {plan.parts} parts, {edges} cm ({plan.provenance})")
-    for check in plan.checks:
-        mark = "[green]pass[/]" if check.passed else "[red]fail[/]"
-        console.print(f"  {mark} {check.name}: {check.message}")
-    for change in plan.changes:
-        console.print(f"  [yellow]changed[/] {change.what} {change.why}")
-    for question in plan.questions:
-        console.print(f"  [yellow]to ask[/] {question}")
-    for line in layers(plan.assembly.cells, grid):
-        console.print(f"  {line}", markup=False, no_wrap=True, overflow="ignore", crop=False)
-    known = [step.duration_s for step in plan.steps if step.duration_s is not None]
-    if known and len(known) == len(plan.steps):
-        console.print(f"  about {sum(known):.0f} s, {sum(known) / len(known):.1f} s a part")
+def adjusted(config: CellConfig, budget_s: float | None, policy: PlanPolicy | None) -> CellConfig:
+    """The configuration with another budget or policy for this plan.
+
+    Raises:
+        UsageError: that is no budget.
+    """
+    changes: dict[str, object] = {} if policy is None else {"policy": policy}
+    if budget_s is not None:
+        if not (math.isfinite(budget_s) and budget_s > 0.0):
+            raise UsageError(f"--budget-s {budget_s:g}: no budget.", "Give seconds, such as 20.")
+        changes["budget_s"] = budget_s
+    return config.model_copy(update={"planning": config.planning.model_copy(update=changes)})
 
 
 def register(app: typer.Typer) -> None:
@@ -77,23 +120,67 @@ def register(app: typer.Typer) -> None:
 
     @app.command()
     def plan(
-        wish: Annotated[str, typer.Argument(help="A sentence, or a mesh or plan file.")],
-        config: ConfigOption = None,
-        json: JsonOption = False,
-        output: Annotated[
-            Path | None, typer.Option(help="Write the plan (JSON) to this file.")
+        given: Annotated[
+            str,
+            typer.Argument(
+                metavar="INPUT",
+                help="A sentence, a mesh (glb, gltf, obj, ply, stl), or cells or a plan (json).",
+            ),
+        ],
+        height_m: Annotated[
+            float | None, typer.Option("--height-m", help="How high it shall be, in metres.")
         ] = None,
+        up: Annotated[
+            Up, typer.Option("--up", help="Which axis of a mesh points up; auto: as its format.")
+        ] = "auto",
+        json: Annotated[
+            str | None,
+            typer.Option("--json", metavar="FILE", help="Write the report (JSON); - prints it."),
+        ] = None,
+        plan_file: Annotated[
+            Path | None,
+            typer.Option("--plan", metavar="FILE", help="Write a plan for `cellctl build`."),
+        ] = None,
+        picture: Annotated[
+            Path | None,
+            typer.Option("--picture", metavar="FILE.png", help="Draw the steps."),
+        ] = None,
+        steps: Annotated[
+            Path | None,
+            typer.Option("--steps", metavar="FILE.glb", help="Write the steps as an animation."),
+        ] = None,
+        budget_s: Annotated[
+            float | None,
+            typer.Option("--budget-s", help="How long it may be improved, in seconds."),
+        ] = None,
+        policy: Annotated[
+            PlanPolicy | None, typer.Option("--policy", help="By whose rules to plan.")
+        ] = None,
+        config: ConfigOption = None,
     ) -> None:
         """Plan a wish without a cell, and show what was checked and changed."""
-        settings = configuration(config)
-        made = make_plan(wish, settings)
-        text = made.model_dump_json(indent=2)
-        if output is not None:
-            try:
-                output.write_text(text + "\n", encoding="utf-8")
-            except OSError as error:
-                raise UsageError(f"{output}: cannot be written: {error.strerror}.") from error
-        if json:
-            typer.echo(text)
-        else:
-            show_plan(Console(highlight=False), made, settings.grid)
+        settings = adjusted(configuration(config), budget_s, policy)
+        outputs = Outputs(json=json, plan=plan_file, picture=picture, steps=steps)
+        outputs.check()
+        asked = PlanInput(given=given, kind=input_kind(given), height_m=height_m, up=up)
+        screen = None if outputs.prints_json else report_console()
+        aside = Console(stderr=True, highlight=False)
+        began_s = time.monotonic()
+        try:
+            with PlanProgress(aside, "reading what is wanted") as progress:
+                made = make_plan(given, settings, height_m=height_m, up=up, progress=progress.stage)
+        except CellctlError as error:
+            refusal = report_refusal(error, asked, settings, time.monotonic() - began_s)
+            outputs.write_report(refusal)
+            if screen is not None and refusal.refused is not None:
+                show_refusal(screen, refusal.refused)
+            raise
+        report = report_plan(made, asked, settings, time.monotonic() - began_s)
+        outputs.write_report(report)
+        if screen is not None:
+            show_report(screen, report, settings.grid)
+        with PlanProgress(aside, "drawing the steps"):
+            written = tuple(outputs.write_plan(made, report, settings))
+        if screen is not None:
+            for line in written:
+                screen.print(line, markup=False)

@@ -10,7 +10,8 @@ import pytest
 from matplotlib.image import imread
 
 from cellctl.assembly import Cell
-from cellctl.cli.picture import DPI, HEIGHT_IN, WIDTH_IN, Side, draw_assembly
+from cellctl.cli.picture import DPI, HEIGHT_IN, WIDTH_IN, draw_assembly
+from cellctl.cli.picture_scene import Side
 from cellctl.errors import UsageError
 
 GRID = (6, 5, 6)
