@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 from cellctl.cli.app import app
 from cellctl.cli.paper_view import quantity
 from cellctl.errors import UsageError
-from cellctl.validating.paper.comparing import TableName
+from cellctl.validating.paper.comparing import TableName, compare
 from cellctl.validating.paper.report import Figure, Mark, compared
 from tests.validating.shapes import CONFIG
 
@@ -174,6 +174,30 @@ def test_one_table_by_name_and_its_json_in_a_file(tmp_path: Path) -> None:
     assert "Component count" in done.stdout
     assert "Overhang" not in done.stdout
     assert [table["name"] for table in json.loads(file.read_text())["tables"]] == ["count"]
+
+
+def test_help_names_every_table() -> None:
+    shown = run("--help").stdout
+    assert all(re.search(rf"\b{name}\b", shown) for name in TableName)
+
+
+def test_times_are_left_out_with_the_reason_where_the_arm_cannot_reach() -> None:
+    far = CONFIG.base.model_copy(update={"frame": (0.30, -3.0, 0.35, 0.0, 0.0, 0.0)})
+    config = CONFIG.model_copy(update={"base": far})
+    (table,) = compare(config, str, (TableName.TIME,)).tables
+    for row in table.rows:
+        _, routes = row.figures
+        assert routes.computed is None
+        assert "Not in the middle of this workspace" in routes.reason
+    compare(config, str, (TableName.FDM, TableName.CLAIMS))
+
+
+def test_other_parts_and_limits_of_the_cell_change_no_figure() -> None:
+    voxel = CONFIG.voxel.model_copy(update={"pitch_m": 0.05})
+    limits = CONFIG.limits.model_copy(update={"inventory_parts": 7})
+    config = CONFIG.model_copy(update={"voxel": voxel, "limits": limits})
+    names = (TableName.COUNT, TableName.ABLATION, TableName.TIME)
+    assert compare(config, str, names).tables == compare(CONFIG, str, names).tables
 
 
 def test_a_table_that_is_not_there_is_a_usage_error() -> None:
