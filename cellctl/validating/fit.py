@@ -15,6 +15,10 @@ from cellctl.validating.clean import Surface, clean
 
 Floats = npt.NDArray[np.float64]
 
+TOLERANCE_M = 0.0006
+"""A shape that reaches no more than this into a cell does not occupy it: half a millimetre, and
+what a mesh of a metre in single precision is inexact by."""
+
 AXES = ("width", "depth", "height")
 """Names of x, y and z, as people call an object's extents."""
 
@@ -30,6 +34,13 @@ class Shape:
     """A surface measured in cells, its minimum corner at the origin."""
 
     surface: Surface
+    pitch_m: float = 0.1
+    """The edge of a cell."""
+
+    @property
+    def tolerance(self) -> float:
+        """``TOLERANCE_M`` in cells."""
+        return TOLERANCE_M / self.pitch_m
 
     @property
     def extent(self) -> Floats:
@@ -40,7 +51,7 @@ class Shape:
     def rescaled(self, extent: Floats) -> Shape:
         """The same shape with other extents, stretched axis by axis."""
         factors = extent / self.extent
-        return Shape(Surface(self.surface.vertices * factors, self.surface.faces))
+        return Shape(Surface(self.surface.vertices * factors, self.surface.faces), self.pitch_m)
 
 
 @dataclass(frozen=True)
@@ -93,8 +104,8 @@ def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:
         scale = _unitless_scale(generated, extent, space_m, config)
     most = float((space_m / extent).min())
     changes: list[Change] = []
-    # Rounding of the extents themselves must not count as too large.
-    if scale > most * (1.0 + 1e-6):
+    # What fills no further cell is not too large.
+    if np.any(extent * scale > space_m + TOLERANCE_M):
         before, after = (centimetres(float(extent[2] * s)) for s in (scale, most))
         changes.append(
             Change(
@@ -104,7 +115,7 @@ def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:
         )
         scale = most
     vertices = (surface.vertices - low) * (scale / pitch_m)
-    return Fitted(Shape(Surface(vertices, surface.faces)), tuple(changes))
+    return Fitted(Shape(Surface(vertices, surface.faces), pitch_m), tuple(changes))
 
 
 def _unitless_scale(

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
-from cellctl.validating.clean import Floats, Ints, Surface, clean, oriented
+from cellctl.validating.clean import Surface, clean
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
+from cellctl.validating.orientation import Floats, Ints, oriented
 from cellctl.validating.winding import winding_numbers
 from tests.validating.shapes import cells_of, shape
 
@@ -129,7 +130,8 @@ def test_turning_makes_every_piece_enclose_its_inside() -> None:
     both = Surface(np.concatenate([one.vertices, one.vertices + 5.0]), faces)
     centres = np.array([[1.0, 1.0, 1.0], [6.0, 6.0, 6.0]])
     assert np.allclose(winding_numbers(both, centres), [1.0, -1.0], atol=0.01)
-    assert np.allclose(winding_numbers(oriented(both), centres), 1.0, atol=0.01)
+    turned = Surface(both.vertices, oriented(*both))
+    assert np.allclose(winding_numbers(turned, centres), 1.0, atol=0.01)
 
 
 def test_an_open_sheet_on_a_cell_plane_is_not_lost() -> None:
