@@ -12,6 +12,7 @@ entries are 1 or 2 and the result does not depend on scale.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,9 @@ class Solution(NamedTuple):
     """The joint that opens most as the structure collapses; None if none needs to pull."""
     moving: Ints
     """Numbers of the parts that move as it collapses."""
+    wrenches: Floats
+    """What the joints bear, (m, 6): force in N, and moment in N m about the centre of the faces,
+    by the lower part on the upper one. Empty if no pull is enough."""
 
 
 class Programme:
@@ -59,14 +63,16 @@ class Programme:
         self._physics = physics
         self.joints = Joints.among(cells)
         count, joints = len(cells), len(self.joints.axis)
-        templates = _templates(physics.contact)
+        actions, templates = _templates(physics.contact)
         pull = np.ones(joints)
         if not physics.floor_grips:
             pull[self.joints.lower == FLOOR] = 0.0
+        self._actions = actions[self.joints.axis]
+        self._actions[:, _FORCES] *= pull[:, None]
         rows, columns, values = [], [], []
         for side, part in enumerate((self.joints.upper, self.joints.lower)):
             # entries of each joint: (m, forces + 1, 6); the last force is the magnets' pull.
-            entries = templates[self.joints.axis, :, side, :].copy()
+            entries = templates[self.joints.axis, :, side, :]
             entries[:, _FORCES, :] *= pull[:, None]
             entries[part == FLOOR] = 0.0
             joint, force, row = np.nonzero(entries)
@@ -117,7 +123,8 @@ class Programme:
             method=method,
         )
         if found.status == 2:
-            return Solution(float("inf"), None, self._toppling(-scaled.ravel()))
+            moving = self._toppling(-scaled.ravel())
+            return Solution(float("inf"), None, moving, np.empty((0, 6)))
         if found.status != 0:
             raise PlanError(
                 f"The stability of {len(self.cells)} parts cannot be computed: {found.message}",
@@ -126,9 +133,18 @@ class Programme:
         pull = max(0.0, float(found.fun))
         velocity = np.asarray(found.eqlin.marginals).reshape(-1, 6)
         moving = np.flatnonzero(np.abs(velocity).max(axis=1) > _MOVES)
-        if pull <= 0.0 or len(moving) == 0:
-            return Solution(pull, None, moving)
-        return Solution(pull, self._most_open(velocity), moving)
+        weakest = self._most_open(velocity) if pull > 0.0 and len(moving) else None
+        return Solution(pull, weakest, moving, self._wrenches(found.x))
+
+    def _wrenches(self, forces: Floats) -> Floats:
+        """What the joints bear, (m, 6), by the solution of the programme."""
+        each = np.empty((len(self.joints.axis), _FORCES + 1))
+        each[:, :_FORCES] = forces[:-1].reshape(-1, _FORCES)
+        each[:, _FORCES] = forces[-1]
+        wrenches: Floats = np.einsum("jf,jfk->jk", each, self._actions)
+        wrenches *= self._physics.magnet_force_n
+        wrenches[:, 3:] *= self._physics.pitch_m / 2
+        return wrenches
 
     def _most_open(self, velocity: Floats) -> Joint:
         """Where the collapse works hardest against the magnets, by the dual solution (n, 6)."""
@@ -173,25 +189,30 @@ class Programme:
         return np.flatnonzero(np.abs(velocity).max(axis=1) > _MOVES)
 
 
-def _templates(contact: str) -> Floats:
-    """What a unit of each force of a joint does to its two parts.
+@lru_cache(maxsize=2)
+def _templates(contact: str) -> tuple[Floats, Floats]:
+    """What a unit of each force of a joint does; the last force is the pull of its magnets.
 
     Returns:
-        (3 axes, forces + 1, upper and lower part, 6): force, and moment about the part's centre.
-        The last force is the pull of all magnets of the joint.
+        (3 axes, forces + 1, 6): force on the upper part, and moment about the centre of the faces;
+        (3 axes, forces + 1, upper and lower part, 6): force on each part, and moment about its
+        own centre.
     """
     unit = np.eye(3)
+    actions = np.zeros((3, _FORCES + 1, 6))
     templates = np.zeros((3, _FORCES + 1, 2, 6))
     for axis in range(3):
         along, u, v = unit[axis], unit[(axis + 1) % 3], unit[(axis + 2) % 3]
         points = (u, -u, v, -v) if contact == "diamond" else (u + v, u - v, v - u, -u - v)
-        actions = [(along, np.cross(point, along)) for point in points]
-        actions += [(shear, np.zeros(3)) for shear in (u, -u, v, -v)]
+        each = [(along, np.cross(point, along)) for point in points]
+        each += [(shear, np.zeros(3)) for shear in (u, -u, v, -v)]
         # Friction at the contact points twists with a lever of half an edge.
-        actions += [(np.zeros(3), twist) for twist in (along, -along)]
-        actions.append((-along, np.zeros(3)))
-        for number, (force, moment) in enumerate(actions):
+        each += [(np.zeros(3), twist) for twist in (along, -along)]
+        each.append((-along, np.zeros(3)))
+        for number, (force, moment) in enumerate(each):
+            actions[axis, number] = np.r_[force, moment]
             for side, (sign, centre) in enumerate(((1.0, -along), (-1.0, along))):
                 templates[axis, number, side, :3] = sign * force
                 templates[axis, number, side, 3:] = sign * (moment + np.cross(centre, force))
-    return templates
+    actions.flags.writeable = templates.flags.writeable = False
+    return actions, templates
