@@ -12,26 +12,21 @@ entries are 1 or 2 and the result does not depend on scale.
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from scipy.optimize import linprog
-from scipy.sparse import csc_array
+from scipy.sparse import csr_array, hstack
 
-from cellctl.errors import PlanError
 from cellctl.validating.stability.joints import FLOOR, Ints, Joint, Joints
 from cellctl.validating.stability.physics import Physics
-
-Floats = npt.NDArray[np.float64]
+from cellctl.validating.stability.solver import Floats, minimise
 
 _PRESSES = 4
 """Points at which the faces of a joint press on each other."""
 _FORCES = 10
 """Unknowns of a joint: the presses, two shears and a twist, each of these as a pair of signs."""
-_SIMPLEX_UP_TO = 100
-"""Parts up to which the dual simplex is faster than the interior-point method."""
 _MOVES = 1e-7
 """A part moves in the collapse if its velocity exceeds this, where the joints open by 1 in all."""
 
@@ -80,15 +75,15 @@ class Programme:
             columns.append(np.where(force == _FORCES, _FORCES * joints, _FORCES * joint + force))
             values.append(entries[joint, force, row])
         width = _FORCES * joints + 1
-        self._balance = csc_array(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-            shape=(6 * count, width),
-        )
+        # Friction: the shears and twists of a joint are at most mu times its presses, together.
         friction = np.ones((joints, _FORCES))
         friction[:, :_PRESSES] = -physics.friction
-        self._friction = csc_array(
-            (friction.ravel(), (np.repeat(np.arange(joints), _FORCES), np.arange(width - 1))),
-            shape=(joints, width),
+        rows.append(6 * count + np.repeat(np.arange(joints), _FORCES))
+        columns.append(np.arange(width - 1))
+        values.append(friction.ravel())
+        self._conditions = csr_array(
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
+            shape=(6 * count + joints, width),
         )
         self._opening = np.zeros((joints, 2, 6))
         for side in range(2):
@@ -100,41 +95,35 @@ class Programme:
         loads[:, 2] = -self._physics.weight_n
         return loads
 
-    def solve(self, loads: Floats) -> Solution:
+    def solve(self, loads: Floats, enough: float = 0.0) -> Solution:
         """The least pull under loads (n, 6): force in N and moment about each part's centre in N m.
+
+        Args:
+            loads: on each part, (n, 6).
+            enough: a pull that is not to be improved on; the solution has at least this.
 
         Raises:
             PlanError: the solver found neither a solution nor that there is none.
         """
         physics = self._physics
-        scaled = loads / physics.magnet_force_n
+        scaled = -loads / physics.magnet_force_n
         scaled[:, 3:] /= physics.pitch_m / 2
-        width = self._balance.shape[1]
+        height, width = self._conditions.shape
+        equations = scaled.size
         cost = np.zeros(width)
         cost[-1] = 1.0
-        method = "highs-ds" if len(self.cells) <= _SIMPLEX_UP_TO else "highs-ipm"
-        found = linprog(
-            cost,
-            A_ub=self._friction,
-            b_ub=np.zeros(self._friction.shape[0]),
-            A_eq=self._balance,
-            b_eq=-scaled.ravel(),
-            bounds=(0.0, None),
-            method=method,
-        )
-        if found.status == 2:
-            moving = self._toppling(-scaled.ravel())
-            return Solution(float("inf"), None, moving, np.empty((0, 6)))
-        if found.status != 0:
-            raise PlanError(
-                f"The stability of {len(self.cells)} parts cannot be computed: {found.message}",
-                "Ask for a smaller object.",
-            )
-        pull = max(0.0, float(found.fun))
-        velocity = np.asarray(found.eqlin.marginals).reshape(-1, 6)
+        low = np.zeros(width)
+        low[-1] = enough
+        sides = np.zeros(height)
+        sides[:equations] = scaled.ravel()
+        found = minimise(cost, self._conditions, sides, low, equations)
+        if math.isinf(found.value):
+            return Solution(math.inf, None, self._toppling(sides), np.empty((0, 6)))
+        pull = max(0.0, found.value)
+        velocity = found.duals.reshape(-1, 6)
         moving = np.flatnonzero(np.abs(velocity).max(axis=1) > _MOVES)
         weakest = self._most_open(velocity) if pull > 0.0 and len(moving) else None
-        return Solution(pull, weakest, moving, self._wrenches(found.x))
+        return Solution(pull, weakest, moving, self._wrenches(found.variables))
 
     def _wrenches(self, forces: Floats) -> Floats:
         """What the joints bear, (m, 6), by the solution of the programme."""
@@ -157,35 +146,29 @@ class Programme:
         best = int(np.flatnonzero(opening >= opening.max() - 1e-6)[0])
         return self.joints.named(best, self.cells)
 
-    def _toppling(self, loads: Floats) -> Ints:
-        """Which parts move although the magnets were as strong as you like: helped least."""
-        rows, width = self._balance.shape
-        helped = csc_array(
+    def _toppling(self, sides: Floats) -> Ints:
+        """Which parts move although the magnets were as strong as you like.
+
+        Hands from outside could hold the structure; where their least help is, the parts move.
+        """
+        height, width = self._conditions.shape
+        equations = 6 * len(self.cells)
+        hands = np.arange(equations)
+        help_ = csr_array(
             (
-                np.r_[self._balance.tocoo().data, np.ones(rows), -np.ones(rows)],
-                (
-                    np.r_[self._balance.tocoo().row, np.arange(rows), np.arange(rows)],
-                    np.r_[self._balance.tocoo().col, width + np.arange(2 * rows)],
-                ),
+                np.r_[np.ones(equations), -np.ones(equations)],
+                (np.r_[hands, hands], np.arange(2 * equations)),
             ),
-            shape=(rows, width + 2 * rows),
+            shape=(height, 2 * equations),
         )
-        friction = self._friction.tocoo()
-        found = linprog(
-            np.r_[np.zeros(width), np.ones(2 * rows)],
-            A_ub=csc_array(
-                (friction.data, (friction.row, friction.col)),
-                shape=(friction.shape[0], width + 2 * rows),
-            ),
-            b_ub=np.zeros(friction.shape[0]),
-            A_eq=helped,
-            b_eq=loads,
-            bounds=(0.0, None),
-            method="highs",
+        found = minimise(
+            np.r_[np.zeros(width), np.ones(2 * equations)],
+            csr_array(hstack([self._conditions, help_])),
+            sides,
+            np.zeros(width + 2 * equations),
+            equations,
         )
-        if found.status != 0:
-            return np.arange(len(self.cells))
-        velocity = np.asarray(found.eqlin.marginals).reshape(-1, 6)
+        velocity = found.duals.reshape(-1, 6)
         return np.flatnonzero(np.abs(velocity).max(axis=1) > _MOVES)
 
 
