@@ -11,10 +11,10 @@ import numpy as np
 from cellctl.assembly import Cell
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability.assess import STANDS, Verdict, assess, to_verdict
-from cellctl.validating.stability.joints import Ints
+from cellctl.validating.stability.joints import Floats, Ints
 from cellctl.validating.stability.loads import SIDES, placement_pushes
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats, Solution
+from cellctl.validating.stability.programme import Solution
 from cellctl.validating.stability.witness import Witness
 
 GOOD_MARGIN = 2.0

@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, hstack
 
-from cellctl.validating.stability.joints import FLOOR, Ints, Joint, Joints
+from cellctl.validating.stability.joints import FLOOR, Floats, Ints, Joint, Joints
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.solver import Floats, minimise
+from cellctl.validating.stability.solver import minimise
 
 _PRESSES = 4
 """Points at which the faces of a joint press on each other."""

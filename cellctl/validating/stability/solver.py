@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from importlib import import_module
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
 from cellctl.errors import PlanError
-
-Floats = npt.NDArray[np.float64]
+from cellctl.validating.stability.joints import Floats
 
 _SMALL_ROWS = 450
 """Up to this many rows GLOP's dual simplex is faster than HiGHS' interior-point method."""
@@ -55,10 +54,8 @@ def _by_glop(
     cost: Floats, rows: csr_array, sides: Floats, low: Floats, equations: int
 ) -> Optimum | None:
     """None where GLOP gives up, as it may for numerical reasons."""
-    from ortools.linear_solver.python import (  # noqa: PLC0415 - heavy
-        model_builder_helper as glop,
-    )
-
+    # Loaded when first needed: it takes a fifth of a second. Its stubs misname numpy's types.
+    glop: Any = import_module("ortools.linear_solver.python.model_builder_helper")
     least = sides.copy()
     least[equations:] = -np.inf
     model = glop.ModelBuilderHelper()

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cellctl.validating.stability.joints import Ints
+from cellctl.validating.stability.joints import Bools, Floats, Ints
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats
 
 _ROUNDING = 1e-7
 """Share of the magnets' force below which an overload is rounding of the solver."""
 
 
-def needed_pull(wrenches: Floats, axis: Ints, bare: np.ndarray, physics: Physics) -> Floats:
+def needed_pull(wrenches: Floats, axis: Ints, bare: Bools, physics: Physics) -> Floats:
     """The least ``lambda`` with which joints bear wrenches: the conditions of the programme.
 
     Args:

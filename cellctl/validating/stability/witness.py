@@ -13,9 +13,9 @@ from typing import Self
 import numpy as np
 
 from cellctl.assembly import Cell
-from cellctl.validating.stability.joints import Ints, Joint
+from cellctl.validating.stability.joints import Floats, Ints, Joint
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats, Programme, Solution
+from cellctl.validating.stability.programme import Programme, Solution
 from cellctl.validating.stability.strength import needed_pull
 
 _STEPS = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -95,7 +95,8 @@ class Witness:
 
     def wrenches(self, rows: Ints) -> Floats:
         """What those joints bear, (m, 6)."""
-        return self._wrench[rows]
+        found: Floats = self._wrench[rows]
+        return found
 
     def needs_with(self, rows: Ints, wrenches: Floats) -> Floats:
         """What those joints would need if they bore wrenches (..., m, 6) instead."""
@@ -147,7 +148,7 @@ class Witness:
 
     def _at_centre(self, upper: Cell, axis: int, side: float) -> Floats:
         """A joint's wrench about the centre of a part; the joint lies on that side of it."""
-        found = self._wrench[self.number[upper, axis]].copy()
+        found: Floats = self._wrench[self.number[upper, axis]].copy()
         arm_m = np.zeros(3)
         arm_m[axis] = side * self.physics.pitch_m / 2
         found[3:] += np.cross(arm_m, found[:3])
