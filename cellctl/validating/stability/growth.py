@@ -48,6 +48,8 @@ class Growth:
         self._rooted: set[Cell] = set()
         self._pull = 1.0 / max(GOOD_MARGIN, physics.least_margin)
         """Up to this the needed pull is no matter."""
+        self.worst_margin = math.inf
+        """The least of all verdicts so far."""
         self._balanced = True
         """Whether the witness balances the weights; not where something is adrift."""
         for cell in sorted(given, key=lambda c: (c.z, c.x, c.y)):
@@ -62,6 +64,7 @@ class Growth:
         other._witness = self._witness.copy()
         other._rooted = set(self._rooted)
         other._pull = self._pull
+        other.worst_margin = self.worst_margin
         other._balanced = self._balanced
         return other
 
@@ -79,10 +82,13 @@ class Growth:
         """
         self._add(cell)
         if not self._balanced:
-            return self._start_anew(cell)
-        if cell in self._rooted:
-            return self._place_on_column(cell)
-        return self._place_hanging(cell)
+            verdict = self._start_anew(cell)
+        elif cell in self._rooted:
+            verdict = self._place_on_column(cell)
+        else:
+            verdict = self._place_hanging(cell)
+        self.worst_margin = min(self.worst_margin, verdict.margin)
+        return verdict
 
     def _add(self, cell: Cell) -> None:
         self._witness.add(cell)
