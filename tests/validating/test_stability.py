@@ -11,7 +11,14 @@ from cellctl.assembly import Cell
 from cellctl.config import StabilitySection
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
-from cellctl.validating.stability import Joint, Physics, assess, assess_order, assess_removal
+from cellctl.validating.stability import (
+    Joint,
+    Physics,
+    Verdict,
+    assess,
+    assess_order,
+    assess_removal,
+)
 from tests.validating.shapes import CONFIG, cells_of
 
 PHYSICS = Physics.of(CONFIG)
@@ -50,7 +57,7 @@ def test_a_row_of_three_holds_while_it_is_built_and_one_of_four_fails(
     assert 1 / verdicts[-1].margin == pytest.approx(needed, rel=1e-6)
     assert all(verdict.margin >= 1 for verdict in verdicts) is holds
     assert verdicts[-1].weakest == Joint(Cell(1, 0, 2), Cell(0, 0, 2))
-    assert verdicts[-1].moving == frozenset(order[3:])
+    assert assess(frozenset(order), PHYSICS, order[-1]).moving == frozenset(order[3:])
 
 
 @pytest.mark.parametrize("height", [1, 2, 3, 4, 5, 6])
@@ -96,12 +103,12 @@ def test_a_whole_face_bears_a_diagonal_moment_that_a_diamond_does_not() -> None:
 
 def test_what_stands_on_columns_needs_no_magnets() -> None:
     verdict = assess(cells_of(Box(0, 0, 0, 3, 3, 3)), replace(PHYSICS, floor_grips=False))
-    assert verdict == (math.inf, None, frozenset())
+    assert verdict == Verdict(math.inf, None, frozenset())
 
 
 def test_what_touches_no_floor_cannot_stand() -> None:
     loose = frozenset({Cell(0, 0, 0), Cell(5, 0, 1)})
-    assert assess(loose, PHYSICS) == (0.0, None, {Cell(5, 0, 1)})
+    assert assess(loose, PHYSICS) == Verdict(0.0, None, frozenset({Cell(5, 0, 1)}))
 
 
 def test_a_part_is_taken_from_a_block_without_harm() -> None:

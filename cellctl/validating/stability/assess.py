@@ -10,10 +10,10 @@ import numpy as np
 
 from cellctl.assembly import Cell
 from cellctl.validating.rules import Cells, pieces
-from cellctl.validating.stability.joints import Ints, Joint
+from cellctl.validating.stability.joints import Floats, Ints, Joint
 from cellctl.validating.stability.loads import placement_pushes
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats, Programme, Solution
+from cellctl.validating.stability.programme import Programme, Solution
 
 _NO_PULL = 1e-9
 """A needed pull below this is rounding."""

@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from cellctl.assembly import Cell
 
+Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 FLOOR = -1
 """Stands for the floor where a joint names the number of its lower part."""

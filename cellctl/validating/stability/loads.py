@@ -8,8 +8,8 @@ import numpy as np
 
 from cellctl.assembly import Cell
 from cellctl.validating.rules import Cells, supported
+from cellctl.validating.stability.joints import Floats
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats
 
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Directions of a push aside: along +x, -x, +y and -y."""

@@ -7,9 +7,10 @@ import numpy as np
 from cellctl.assembly import Cell
 from cellctl.validating.rules import Cells, pieces
 from cellctl.validating.stability.assess import STANDS, Verdict, as_array, assess, to_verdict
+from cellctl.validating.stability.joints import Floats
 from cellctl.validating.stability.loads import SIDES
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Floats, Programme
+from cellctl.validating.stability.programme import Programme
 
 
 def assess_removal(cells: Cells, cell: Cell, physics: Physics) -> Verdict:

@@ -1,0 +1,155 @@
+"""A known equilibrium of a structure, which proves how little its joints need to pull.
+
+By the lower-bound theorem any distribution of forces that balances the loads is a proof: the
+structure needs at most the pull that the most strained joint of that distribution needs. The
+distribution is kept from state to state, and changed only where something changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Self
+
+import numpy as np
+
+from cellctl.assembly import Cell
+from cellctl.validating.stability.joints import Floats, Ints, Joint
+from cellctl.validating.stability.physics import Physics
+from cellctl.validating.stability.programme import Programme, Solution
+from cellctl.validating.stability.strength import needed_pull
+
+_STEPS = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+
+class Witness:
+    """Cells and what each of their joints bears at rest."""
+
+    def __init__(self, physics: Physics) -> None:
+        self.physics = physics
+        self.cells: set[Cell] = set()
+        self.number: dict[tuple[Cell, int], int] = {}
+        """Rows of the joints, by the upper cell and the axis."""
+        self._axis = np.zeros(64, dtype=np.int64)
+        self._bare = np.zeros(64, dtype=np.bool_)
+        self._wrench = np.zeros((64, 6))
+        self._need = np.zeros(64)
+
+    def copy(self) -> Self:
+        """An independent one."""
+        other = type(self)(self.physics)
+        other.cells = set(self.cells)
+        other.number = dict(self.number)
+        other._axis, other._bare = self._axis.copy(), self._bare.copy()
+        other._wrench, other._need = self._wrench.copy(), self._need.copy()
+        return other
+
+    @property
+    def need(self) -> float:
+        """The pull that the most strained joint needs."""
+        return float(self._need[: len(self.number)].max(initial=0.0))
+
+    def need_outside(self, rows: Ints) -> float:
+        """The pull that the most strained of all other joints needs."""
+        needs = self._need[: len(self.number)].copy()
+        needs[rows] = 0.0
+        return float(needs.max(initial=0.0))
+
+    def most_strained(self) -> Joint | None:
+        """The joint that needs the largest pull; None if none needs any."""
+        needs = self._need[: len(self.number)]
+        if not len(needs) or needs.max() <= 0.0:
+            return None
+        return self.joint(int(needs.argmax()))
+
+    def joint(self, row: int) -> Joint:
+        """The joint of a row."""
+        cell, axis = next(key for key, number in self.number.items() if number == row)
+        step = _STEPS[axis]
+        return Joint(cell, Cell(cell.x - step[0], cell.y - step[1], cell.z - step[2]))
+
+    def add(self, cell: Cell) -> None:
+        """One more cell, whose joints bear nothing yet: the caller balances its weight."""
+        self.cells.add(cell)
+        for axis, step in enumerate(_STEPS):
+            lower = Cell(cell.x - step[0], cell.y - step[1], cell.z - step[2])
+            if lower in self.cells or (axis == 2 and cell.z == 0):
+                self._add_joint(cell, axis)
+            upper = Cell(cell.x + step[0], cell.y + step[1], cell.z + step[2])
+            if upper in self.cells:
+                self._add_joint(upper, axis)
+
+    def _add_joint(self, upper: Cell, axis: int) -> None:
+        row = len(self.number)
+        if row == len(self._axis):
+            self._axis = np.concatenate([self._axis, np.zeros_like(self._axis)])
+            self._bare = np.concatenate([self._bare, np.zeros_like(self._bare)])
+            self._wrench = np.concatenate([self._wrench, np.zeros_like(self._wrench)])
+            self._need = np.concatenate([self._need, np.zeros_like(self._need)])
+        self.number[upper, axis] = row
+        self._axis[row] = axis
+        self._bare[row] = axis == 2 and upper.z == 0 and not self.physics.floor_grips
+
+    def column(self, top: Cell) -> Ints:
+        """Rows of the joints under a cell and under those beneath it, down to the floor, (h,)."""
+        return np.array([self.number[Cell(top.x, top.y, z), 2] for z in range(top.z, -1, -1)])
+
+    def wrenches(self, rows: Ints) -> Floats:
+        """What those joints bear, (m, 6)."""
+        found: Floats = self._wrench[rows]
+        return found
+
+    def needs_with(self, rows: Ints, wrenches: Floats) -> Floats:
+        """What those joints would need if they bore wrenches (..., m, 6) instead."""
+        return needed_pull(wrenches, self._axis[rows], self._bare[rows], self.physics)
+
+    def bear(self, rows: Ints, wrenches: Floats) -> None:
+        """Let those joints bear wrenches (m, 6); the caller keeps the balance."""
+        self._wrench[rows] = wrenches
+        self._need[rows] = self.needs_with(rows, wrenches)
+
+    def solve(
+        self, region: Iterable[Cell], cell: Cell, push: Floats, enough: float = 0.0
+    ) -> tuple[Ints, Solution]:
+        """Balance a region anew, while all joints outside of it bear what they bear.
+
+        Args:
+            region: the cells whose joints among each other may change.
+            cell: one of them, that is pushed.
+            push: the load on it besides its weight, (6,).
+            enough: a pull that is not to be improved on.
+
+        Returns:
+            The rows of the joints that may change, and the solution for them in this order.
+        """
+        numbered = sorted(region)
+        inside = {c: i for i, c in enumerate(numbered)}
+        programme = Programme(np.array(numbered, dtype=np.int64), self.physics)
+        loads = programme.weights()
+        loads[inside[cell]] += push
+        for one, index in inside.items():
+            for axis, step in enumerate(_STEPS):
+                lower = Cell(one.x - step[0], one.y - step[1], one.z - step[2])
+                if lower not in inside and lower in self.cells:
+                    loads[index] += self._at_centre(one, axis, -1.0)
+                upper = Cell(one.x + step[0], one.y + step[1], one.z + step[2])
+                if upper not in inside and upper in self.cells:
+                    loads[index] -= self._at_centre(upper, axis, 1.0)
+        solution = programme.solve(loads, enough)
+        rows = np.array(
+            [
+                self.number[numbered[part], axis]
+                for part, axis in zip(
+                    programme.joints.upper.tolist(), programme.joints.axis.tolist(), strict=True
+                )
+            ],
+            dtype=np.int64,
+        )
+        return rows, solution
+
+    def _at_centre(self, upper: Cell, axis: int, side: float) -> Floats:
+        """A joint's wrench about the centre of a part; the joint lies on that side of it."""
+        found: Floats = self._wrench[self.number[upper, axis]].copy()
+        arm_m = np.zeros(3)
+        arm_m[axis] = side * self.physics.pitch_m / 2
+        found[3:] += np.cross(arm_m, found[:3])
+        return found
