@@ -1,0 +1,262 @@
+"""The best object of any size: which sizes to solve, in which order, and when to stop.
+
+Best first. Every size has a bound that no object of it exceeds: at first a relaxed one that costs
+microseconds, then what the solver proves. The size with the highest bound is worked on; once it
+has an object whose score equals its bound, that object is judged. One that stands is the best of
+all, for no other size can exceed it. One that collapses teaches a mechanism, and its size is solved
+anew. So few sizes are solved and very few objects judged, which is what costs time.
+"""
+
+from __future__ import annotations
+
+import heapq
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
+from cellctl.validating.repairing.model import SAME, Effort, Model, relaxed_bound
+from cellctl.validating.repairing.score import Size, Wanted
+from cellctl.validating.repairing.symmetry import Symmetry, symmetries
+from cellctl.validating.rules import Cells, pieces
+
+Judge = Callable[[Cells], Stands | Collapses]
+"""Whether connected cells that are accessible from above stand at every step of some order."""
+
+_MOST_ROUNDS = 60
+"""Most times that one size is solved; beyond it keeps its bound and is set aside."""
+
+_FOR_SAFETY = 0.35
+"""The part of the budget that is kept for an object that surely stands."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a repaired object must satisfy."""
+
+    parts: int
+    grid: Size
+    reach: int
+    """The most steps, side by side, from a part to one of its layer that rests on something."""
+    floor_grips: bool
+    judge: Judge
+    known: tuple[Mechanism, ...] = ()
+    """Mechanisms of collapse that are known beforehand."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best object that was found, and how good any could be."""
+
+    cells: Cells
+    """Empty if none was found."""
+    score: float
+    bound: float
+    """No object has a higher score."""
+    stands: Stands | None
+    collapses: tuple[Collapses, ...]
+    """What was learnt from objects that would have been closer, the closest first."""
+
+    @property
+    def proven(self) -> bool:
+        """Whether this is the best object that there is."""
+        return bool(self.cells) and self.score >= self.bound - SAME
+
+
+@dataclass
+class _Candidate:
+    size: Size
+    bound: float
+    cells: Cells = frozenset()
+    """The best of this size, as far as it is known."""
+    model: Model | None = None
+    learnt: int = 0
+    """How many of the mechanisms the model knows."""
+    rounds: int = 0
+
+    def entry(self) -> _Entry:
+        """In the queue: the highest bound first; of equal ones, an object that is to be judged."""
+        return (-self.bound, 0 if self.cells else 1, self.size, self)
+
+
+_Entry = tuple[float, int, Size, _Candidate]
+
+
+@dataclass
+class _State:
+    best: Cells = frozenset()
+    score: float = 0.0
+    stands: Stands | None = None
+    mechanisms: list[Mechanism] = field(default_factory=list)
+    collapses: list[Collapses] = field(default_factory=list)
+    doubted: float = 0.0
+    """The highest score of what was given up because of one order of building."""
+
+
+def search(
+    wanted: Wanted,
+    rules: Rules,
+    budget_s: float,
+    workers: int = 1,
+    fallback: Cells = frozenset(),
+) -> Found:
+    """Find the object that keeps most of the wanted shape.
+
+    Args:
+        wanted: the shape.
+        rules: what the object must satisfy.
+        budget_s: wall time; the best object so far is returned then.
+        workers: of the solver.
+        fallback: an object that satisfies the rules but may collapse; it is judged when the search
+            was not finished in time.
+    """
+    return _Search(wanted, rules, budget_s, workers).run(fallback)
+
+
+class _Search:
+    def __init__(self, wanted: Wanted, rules: Rules, budget_s: float, workers: int) -> None:
+        self._wanted = wanted
+        self._rules = rules
+        self._workers = workers
+        now_s = time.monotonic()
+        self._end_s = now_s + budget_s
+        self._improve_until_s = now_s + budget_s * (1.0 - _FOR_SAFETY)
+        self._kept = symmetries(wanted.cells, wanted.size)
+        self._state = _State(mechanisms=[t for m in rules.known for t in m.turned()])
+        self._aside: list[_Candidate] = []
+
+    def run(self, fallback: Cells) -> Found:
+        state = self._state
+        queue = [
+            _Candidate(size, bound).entry()
+            for size in self._sizes()
+            for bound in (relaxed_bound(self._wanted.terms(size), self._rules.parts),)
+        ]
+        heapq.heapify(queue)
+        while queue and time.monotonic() < self._improve_until_s:
+            *_, candidate = heapq.heappop(queue)
+            if candidate.bound <= state.score + SAME:
+                heapq.heappush(queue, candidate.entry())
+                break
+            self._work_on(candidate, queue)
+            if candidate.rounds >= _MOST_ROUNDS:
+                self._aside.append(candidate)
+            else:
+                heapq.heappush(queue, candidate.entry())
+        left = [entry[3] for entry in queue] + self._aside
+        bound = max([state.score, state.doubted, *(candidate.bound for candidate in left)])
+        if state.score < bound - SAME:
+            self._safely(left, fallback)
+            bound = max(bound, state.score)
+        return Found(state.best, state.score, bound, state.stands, tuple(state.collapses))
+
+    def _sizes(self) -> list[Size]:
+        """Those of the wanted size or less that keep its symmetry and are within the grid."""
+        square = any(symmetry.square for symmetry in self._kept)
+        most = [min(a, b) for a, b in zip(self._wanted.size, self._rules.grid, strict=True)]
+        return [
+            (nx, ny, nz)
+            for nx in range(1, most[0] + 1)
+            for ny in range(1, most[1] + 1)
+            for nz in range(1, most[2] + 1)
+            if not square or nx == ny
+        ]
+
+    def _work_on(self, candidate: _Candidate, queue: list[_Entry]) -> None:
+        """Judge the best object of a size, or find it."""
+        state = self._state
+        if candidate.cells and candidate.learnt == len(state.mechanisms):
+            self._judge(candidate)
+            return
+        target = state.score
+        for *_, other in queue:
+            if other.cells:
+                target = max(target, self._wanted.score(other.cells))
+        self._solve(candidate, min(target, candidate.bound), self._improve_until_s)
+
+    def _judge(self, candidate: _Candidate) -> None:
+        state = self._state
+        verdict = self._rules.judge(candidate.cells)
+        if isinstance(verdict, Stands):
+            score = self._wanted.score(candidate.cells)
+            if score > state.score:
+                state.best, state.score, state.stands = candidate.cells, score, verdict
+            return
+        state.collapses.append(verdict)
+        mechanism = Mechanism.of(verdict, candidate.cells)
+        if not mechanism.exact:
+            state.doubted = max(state.doubted, self._wanted.score(candidate.cells))
+        state.mechanisms += mechanism.turned()
+        if candidate.model is not None:
+            # Whatever was learnt, the same object must not come again.
+            candidate.model.exclude(candidate.cells)
+        candidate.cells = frozenset()
+
+    def _solve(self, candidate: _Candidate, target: float, until_s: float) -> None:
+        """Raise the score of the best known object of a size until none is better.
+
+        This is Dinkelbach's method: each round asks for the object that shares most beyond the last
+        one's score times what it covers.
+        """
+        model = self._model(candidate)
+        candidate.cells = frozenset()
+        required = target > 0.0
+        score = target if required else candidate.bound * 0.9
+        while candidate.rounds < _MOST_ROUNDS:
+            left_s = until_s - time.monotonic()
+            if left_s <= 0.0:
+                return
+            candidate.rounds += 1
+            answer = model.beat(score, Effort(self._workers, left_s), required=required)
+            if not answer.cells:
+                candidate.bound = min(candidate.bound, answer.bound)
+                return
+            if len(pieces(answer.cells)) > 1:
+                model.join(answer.cells)
+                continue
+            candidate.cells = answer.cells
+            candidate.bound = min(candidate.bound, answer.bound)
+            score = self._wanted.score(answer.cells)
+            required = True
+
+    def _model(self, candidate: _Candidate) -> Model:
+        mechanisms = self._state.mechanisms
+        if candidate.model is None:
+            candidate.model = Model(
+                self._wanted.terms(candidate.size),
+                self._rules.parts,
+                self._rules.reach,
+                self._kept_in(candidate.size),
+            )
+        candidate.model.forbid(mechanisms[candidate.learnt :], self._rules.floor_grips)
+        candidate.learnt = len(mechanisms)
+        return candidate.model
+
+    def _kept_in(self, size: Size) -> tuple[Symmetry, ...]:
+        return tuple(s for s in self._kept if not s.square or size[0] == size[1])
+
+    def _safely(self, left: list[_Candidate], fallback: Cells) -> None:
+        """Without time to find the best: the given object, or one whose every part rests."""
+        state = self._state
+        if fallback and self._wanted.score(fallback) > state.score + SAME:
+            verdict = self._rules.judge(fallback)
+            if isinstance(verdict, Stands):
+                state.best, state.stands = fallback, verdict
+                state.score = self._wanted.score(fallback)
+        for candidate in sorted(left, key=lambda c: (-c.bound, c.size)):
+            if state.best or time.monotonic() > self._end_s:
+                return
+            resting = _Candidate(candidate.size, candidate.bound)
+            resting.model = Model(
+                self._wanted.terms(candidate.size),
+                self._rules.parts,
+                0,
+                self._kept_in(candidate.size),
+            )
+            while resting.rounds < _MOST_ROUNDS and time.monotonic() < self._end_s:
+                self._solve(resting, 0.0, self._end_s)
+                if not resting.cells:
+                    break
+                self._judge(resting)
+                if state.best:
+                    return
