@@ -6,21 +6,24 @@ worker process.
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
-from cellctl.assembling.route import RoutePlanner
-from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step, StepKind
+from cellctl.assembly import BuildPlan, Cell, Closeness, StepKind
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
+from cellctl.validating.access import Gripper
+from cellctl.validating.discretise import discretise
+from cellctl.validating.draft import Draft, draft, paper_draft, paper_redraft, redraft
 from cellctl.validating.files import read_json_plan, read_mesh
-from cellctl.validating.fit import fit, size_changes, size_questions
-from cellctl.validating.repair import repair, size_of
-from cellctl.validating.rules import Cells, check_all
-from cellctl.validating.sequence import check_order, sequence
+from cellctl.validating.fit import Shape, fit, size_changes, size_questions
+from cellctl.validating.paper.policy import plan_paper, plan_paper_cells, process
+from cellctl.validating.repairing import repair_shape
+from cellctl.validating.rules import Cells, size_of, to_corner
+from cellctl.validating.siting import site, site_here
+from cellctl.validating.stability import Physics
 
 Progress = Callable[[str], None]
 """Receives the name of each stage when it begins: discretising, checking, sequencing."""
@@ -32,11 +35,11 @@ def plan_build(
     inventory_parts: int | None = None,
     progress: Progress | None = None,
 ) -> BuildPlan:
-    """Plan a generated shape; it is rescaled where the rules demand it, and the plan says so.
+    """Plan a generated shape; it is changed where it must be, as little as can be, and told.
 
     Args:
         generated: the shape, z up.
-        config: the cell.
+        config: the cell; ``planning`` has the policy and how long a plan may be improved.
         inventory_parts: how many parts there are now, where that is known to be fewer than the
             configured inventory.
         progress: told each stage as it begins.
@@ -48,24 +51,22 @@ def plan_build(
     tell("discretising")
     fitted = fit(generated, config)
     tell("checking")
-    repaired = repair(fitted.shape, config.limits, _parts(config, inventory_parts))
-    size = size_of(repaired.cells)
-    pitch_m = config.voxel.pitch_m
+    found = _drafted(fitted.shape, config, _parts(config, inventory_parts))
+    size, pitch_m = size_of(found.cells), config.voxel.pitch_m
+    stated_m = generated.stated_dimensions_m
     changes = (
         *generated.changes,
         *fitted.changes,
-        *repaired.changes,
-        *size_changes(generated.stated_dimensions_m, size, pitch_m),
+        *found.changes,
+        *size_changes(stated_m, size, pitch_m),
     )
+    questions = (*size_questions(stated_m, size, pitch_m), *found.questions)
     tell("sequencing")
-    return _reachable_plan(
-        repaired.cells,
+    return site(
+        replace(found, changes=changes, questions=questions),
         config,
-        _parts(config, inventory_parts),
-        title=generated.title,
-        provenance=generated.provenance,
-        changes=changes,
-        questions=size_questions(generated.stated_dimensions_m, size, pitch_m),
+        generated.title,
+        generated.provenance,
     )
 
 
@@ -85,16 +86,15 @@ def plan_cells(
     wanted = frozenset(Cell(*cell) for cell in cells)
     if not wanted:
         raise PlanError("There are no cells to build.", "Name at least one cell.")
-    low = [min(axis) for axis in zip(*wanted, strict=True)]
-    moved = frozenset(Cell(c.x - low[0], c.y - low[1], c.z - low[2]) for c in wanted)
+    moved = to_corner(wanted)
     size, grid = size_of(moved), config.grid
     if any(edge > room for edge, room in zip(size, grid, strict=True)):
         raise PlanError(
             f"The object is {_times(size)} cells large; the workspace has {_times(grid)}.",
             "Make it smaller.",
         )
-    parts = _parts(config, inventory_parts)
-    return _reachable_plan(moved, config, parts, title=title, provenance=provenance)
+    found = _drafted_cells(moved, config, _parts(config, inventory_parts))
+    return site(found, config, title, provenance)
 
 
 def plan_file(
@@ -157,135 +157,52 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
         raise PlanError("The plan's steps do not build its own assembly.", "Plan it anew.")
     if not cells:
         raise PlanError("The plan has no steps.", "Plan it anew.")
-    checks = _checked(cells, order, config, _parts(config, inventory_parts))
-    steps = _steps(order, RoutePlanner(config))
-    return _plan(order, steps, checks, config, like=plan)
-
-
-def _reachable_plan(
-    cells: Cells,
-    config: CellConfig,
-    parts: int,
-    *,
-    title: str,
-    provenance: str,
-    changes: tuple[Change, ...] = (),
-    questions: tuple[str, ...] = (),
-) -> BuildPlan:
-    """Order the cells, and stand them where the arm can place every one, as central as possible."""
-    order = sequence(cells, config.limits.overhang_cells)
-    checks = _checked(cells, order, config, parts)
-    planner = RoutePlanner(config)
-    like = BuildPlan(
-        plan_id="",
-        title=title,
-        pitch_m=config.voxel.pitch_m,
-        assembly=Assembly.of(cells, config.voxel.pitch_m),
-        steps=(),
-        checks=(),
-        changes=changes,
-        questions=questions,
-        provenance=provenance,
+    parts, physics = _parts(config, inventory_parts), Physics.of(config)
+    found = (
+        paper_redraft(order, physics, config.limits, parts)
+        if plan.policy == "paper"
+        else redraft(order, physics, Gripper.of(config), parts)
     )
-    refused: PlanError | None = None
-    for dx, dy in _places(size_of(cells), config.grid):
-        moved = tuple(Cell(c.x + dx, c.y + dy, c.z) for c in order)
-        try:
-            steps = _steps(moved, planner)
-        except PlanError as error:
-            refused = refused or error
-            continue
-        return _plan(moved, steps, checks, config, like=like)
-    assert refused is not None
-    raise PlanError(
-        f"The arm cannot place every part of this object anywhere in the workspace. "
-        f"{refused.message}",
-        refused.hint or "Ask for a smaller object.",
+    found = replace(found, changes=plan.changes, questions=plan.questions, closeness=plan.closeness)
+    return site_here(found, config, plan.title, plan.provenance)
+
+
+def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
+    """A shape's cells, changed until they can be built, and ordered."""
+    physics = Physics.of(config)
+    if config.planning.policy == "paper":
+        return paper_draft(plan_paper(shape, config.limits, parts), physics)
+    repaired = repair_shape(
+        discretise(shape),
+        physics,
+        parts=parts,
+        grid=config.grid,
+        budget_s=config.planning.budget_s,
+        rescaled=process(shape, config.limits, parts).cells,
     )
-
-
-def _checked(
-    cells: Cells, order: tuple[Cell, ...], config: CellConfig, parts: int
-) -> tuple[Check, ...]:
-    """Every check that needs no robot; all pass.
-
-    Raises:
-        PlanError: one failed.
-    """
-    checks = (*check_all(cells, config.limits, parts), check_order(order))
-    for check in checks:
-        if not check.passed:
-            places = ", ".join(str(list(cell)) for cell in check.cells[:6])
-            raise PlanError(f"It breaks the rule of {check.name}: {check.message} Cells: {places}.")
-    return checks
-
-
-def _places(size: tuple[int, int, int], grid: tuple[int, int, int]) -> Iterator[tuple[int, int]]:
-    """Offsets at which an object stands within the grid, the most central first."""
-    room = (grid[0] - size[0], grid[1] - size[1])
-    offsets = [(dx, dy) for dx in range(room[0] + 1) for dy in range(room[1] + 1)]
-    yield from sorted(offsets, key=lambda o: (abs(2 * o[0] - room[0]) + abs(2 * o[1] - room[1]), o))
-
-
-def _steps(order: tuple[Cell, ...], planner: RoutePlanner) -> tuple[Step, ...]:
-    """One step a cell, each with the way that the arm takes.
-
-    Raises:
-        PlanError: there is no way to some cell.
-    """
-    steps = []
-    placed: set[Cell] = set()
-    previous: Cell | None = None
-    for index, cell in enumerate(order):
-        route = planner.step(cell, placed, previous)
-        steps.append(
-            Step(
-                index=index,
-                kind=StepKind.PLACE,
-                cell=cell,
-                clearance_m=round(route.clearance_m, 4),
-                duration_s=round(route.duration_s, 3),
-            )
-        )
-        placed.add(cell)
-        previous = cell
-    return tuple(steps)
-
-
-def _plan(
-    order: tuple[Cell, ...],
-    steps: tuple[Step, ...],
-    checks: tuple[Check, ...],
-    config: CellConfig,
-    like: BuildPlan,
-) -> BuildPlan:
-    """The finished plan: title, changes and provenance of one, steps and checks as found."""
-    highest_m = max(step.clearance_m or 0.0 for step in steps)
-    reach = Check(
-        name="reach",
-        passed=True,
-        message=f"The arm reaches every part; it crosses at {highest_m:.2f} m at most.",
+    gripper = Gripper.of(config)
+    try:
+        found = draft(repaired.cells, physics, gripper, parts)
+    except PlanError:
+        # It was found to stand in another order than the one that is sought here.
+        found = redraft(repaired.order, physics, gripper, parts)
+    if not repaired.changes:
+        return found
+    closeness = Closeness(
+        score=repaired.score,
+        baseline_score=repaired.baseline_score,
+        bound=repaired.bound,
+        proven=repaired.proven,
     )
-    return like.model_copy(
-        update={
-            "plan_id": _plan_id(order, config),
-            "assembly": Assembly.of(order, config.voxel.pitch_m),
-            "steps": steps,
-            "checks": (*checks, reach),
-        }
-    )
+    return replace(found, changes=repaired.changes, closeness=closeness)
 
 
-def _plan_id(order: tuple[Cell, ...], config: CellConfig) -> str:
-    """The same object in the same cell has the same."""
-    identity = {
-        "place": order,
-        "pitch_m": config.voxel.pitch_m,
-        "workspace": config.workspace.model_dump(),
-        "base": config.base.frame,
-        "feeder": config.feeder.frame,
-    }
-    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
+def _drafted_cells(cells: Cells, config: CellConfig, parts: int) -> Draft:
+    """Cells that begin at [0, 0, 0], as they are, ordered."""
+    physics = Physics.of(config)
+    if config.planning.policy == "paper":
+        return paper_draft(plan_paper_cells(cells, config.limits, parts), physics)
+    return draft(cells, physics, Gripper.of(config), parts)
 
 
 def _parts(config: CellConfig, inventory_parts: int | None) -> int:

@@ -28,6 +28,19 @@ class Overhang(NamedTuple):
     """0 for x, 1 for y: along which the worst of it runs."""
 
 
+def size_of(cells: Cells) -> tuple[int, int, int]:
+    """Extent in cells along x, y and z, of at least one cell."""
+    spans = [max(axis) - min(axis) + 1 for axis in zip(*cells, strict=True)]
+    return (spans[0], spans[1], spans[2])
+
+
+def to_corner(cells: Iterable[Cell]) -> Cells:
+    """The same cells, moved to [0, 0, 0]: a shape that floats is set on the floor."""
+    all_of = list(cells)
+    low = [min(axis) for axis in zip(*all_of, strict=True)]
+    return frozenset(Cell(c.x - low[0], c.y - low[1], c.z - low[2]) for c in all_of)
+
+
 def supported(cell: Cell, cells: Cells) -> bool:
     """Whether a cell rests on the floor or on another part."""
     return cell.z == 0 or cell.below() in cells

@@ -1,0 +1,218 @@
+"""What is to be built and in which order, before it is known where in the workspace it stands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from cellctl.assembly import Cell, Change, Check, Closeness, Weakest
+from cellctl.config import LimitsSection
+from cellctl.errors import PlanError
+from cellctl.validating.access import Gripper
+from cellctl.validating.layer_orders import tight_fits
+from cellctl.validating.order import find_order
+from cellctl.validating.paper.policy import PaperPlan, judge
+from cellctl.validating.paper.sequencing import Order as PaperOrder
+from cellctl.validating.rules import (
+    Cells,
+    check_access,
+    check_connectivity,
+    check_count,
+    check_grounded,
+)
+from cellctl.validating.stability import Joint, Physics, Verdict, assess_order
+
+_NAMED = 6
+"""How many cells a refusal names."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """An ordered object and what was asked of it; all checks have passed."""
+
+    order: tuple[Cell, ...]
+    checks: tuple[Check, ...]
+    verdicts: tuple[Verdict, ...]
+    """How it stands after each step."""
+    policy: str = "cellctl"
+    changes: tuple[Change, ...] = ()
+    questions: tuple[str, ...] = ()
+    closeness: Closeness | None = None
+
+    @property
+    def cells(self) -> Cells:
+        """The finished object."""
+        return frozenset(self.order)
+
+    @property
+    def weakest(self) -> Weakest | None:
+        """The joint that comes nearest to giving way; None where no step needs a magnet."""
+        step, verdict = min(enumerate(self.verdicts), key=lambda each: each[1].margin)
+        if verdict.weakest is None or not math.isfinite(verdict.margin):
+            return None
+        return Weakest(
+            step=step,
+            margin=verdict.margin,
+            cell=verdict.weakest.a,
+            other=verdict.weakest.b,
+            description=verdict.weakest.describe(),
+        )
+
+    def moved(self, dx: int, dy: int) -> Draft:
+        """The same, so many cells further along x and y."""
+
+        def there(cell: Cell) -> Cell:
+            return Cell(cell.x + dx, cell.y + dy, cell.z)
+
+        verdicts = tuple(
+            Verdict(
+                verdict.margin,
+                verdict.weakest and Joint(there(verdict.weakest.a), there(verdict.weakest.b)),
+                frozenset(there(cell) for cell in verdict.moving),
+            )
+            for verdict in self.verdicts
+        )
+        order = tuple(there(cell) for cell in self.order)
+        return replace(self, order=order, verdicts=verdicts)
+
+
+def draft(cells: Cells, physics: Physics, gripper: Gripper, parts: int) -> Draft:
+    """Check cells and order them so that every state on the way stands.
+
+    Raises:
+        PlanError: they break a rule, or there is no order; the message names the rule and cells.
+    """
+    refuse_failed(_of_shape(cells, parts))
+    found = find_order(cells, physics, gripper)
+    return _proven(found.cells, found.verdicts, physics, parts)
+
+
+def redraft(order: Sequence[Cell], physics: Physics, gripper: Gripper, parts: int) -> Draft:
+    """Check an order that is given.
+
+    Raises:
+        PlanError: it breaks a rule; the message names the rule and cells.
+    """
+    refuse_failed((*_of_shape(frozenset(order), parts), check_order(order)))
+    placed: set[Cell] = set()
+    for cell in order:
+        if blockers := gripper.blockers(cell, placed):
+            raise PlanError(
+                f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
+                f"{', '.join(str(list(one)) for one in blockers[:_NAMED])}.",
+                "Plan it anew from its cells.",
+                rule="access",
+                cells=(cell, *blockers),
+            )
+        placed.add(cell)
+    return _proven(tuple(order), assess_order(order, physics), physics, parts)
+
+
+def paper_draft(found: PaperPlan, physics: Physics) -> Draft:
+    """A plan by the paper's rules, which ask for no margin; where it has none, one is asked."""
+    verdicts = assess_order(found.order, physics)
+    failed = [n for n, verdict in enumerate(verdicts) if verdict.margin < physics.least_margin]
+    questions = ()
+    if failed:
+        first = failed[0]
+        questions = (
+            f"By the paper's rules it can be built, but by the strength of its joints it would "
+            f"come apart in step {first + 1}, at {list(found.order[first])}. Shall I build it all "
+            "the same?",
+        )
+    return Draft(found.order, found.checks, verdicts, "paper", found.changes, questions)
+
+
+def paper_redraft(
+    order: Sequence[Cell], physics: Physics, limits: LimitsSection, parts: int
+) -> Draft:
+    """Check an order that is given by the paper's rules.
+
+    Raises:
+        PlanError: it breaks one; the message names the rule and cells.
+    """
+    cells = frozenset(order)
+    checks = judge(cells, PaperOrder(tuple(order)), limits, parts)
+    refuse_failed(checks)
+    return paper_draft(PaperPlan(cells, tuple(order), checks, ()), physics)
+
+
+def check_order(order: Sequence[Cell]) -> Check:
+    """Every part is grounded or touches a placed one, and none goes beneath another."""
+    placed: set[Cell] = set()
+    tops: dict[tuple[int, int], int] = {}
+    wrong = []
+    for cell in order:
+        held = cell.z == 0 or any(beside in placed for beside in cell.neighbours())
+        covered = tops.get((cell.x, cell.y), -1) > cell.z
+        if not held or covered or cell in placed:
+            wrong.append(cell)
+        placed.add(cell)
+        tops[cell.x, cell.y] = max(cell.z, tops.get((cell.x, cell.y), -1))
+    tight = len(tight_fits(order))
+    message = (
+        f"{len(wrong)} parts would float, or go beneath another."
+        if wrong
+        else "Every part rests on the floor or touches one before it; "
+        f"{tight or 'none'} go{'es' if tight == 1 else ''} between two others."
+    )
+    return Check(name="order", passed=not wrong, message=message, cells=tuple(wrong))
+
+
+def check_stability(
+    order: Sequence[Cell], verdicts: Sequence[Verdict], least_margin: float
+) -> Check:
+    """The structure stands after every step, and while its part is pressed in."""
+    step, worst = min(enumerate(verdicts), key=lambda each: each[1].margin)
+    if worst.margin < least_margin:
+        joint = "" if worst.weakest is None else f" at the joint {worst.weakest.describe()}"
+        return Check(
+            name="stability",
+            passed=False,
+            message=f"It would come apart in step {step + 1}, at {list(order[step])}{joint}: its "
+            f"joints bear {worst.margin:.2f} times what is asked of them, and {least_margin:g} "
+            "times is due.",
+            cells=tuple(sorted(worst.moving or {order[step]}, key=lambda c: (c.z, c.x, c.y))),
+        )
+    message = (
+        f"It stands at every step; the joints bear {worst.margin:.2f} times what the hardest step "
+        "asks of them."
+        if math.isfinite(worst.margin)
+        else "It stands at every step, by its weight alone."
+    )
+    return Check(name="stability", passed=True, message=message)
+
+
+def refuse_failed(checks: Sequence[Check]) -> None:
+    """Raises PlanError for the first check that failed, naming its rule and cells."""
+    for check in checks:
+        if not check.passed:
+            places = ", ".join(str(list(cell)) for cell in check.cells[:_NAMED])
+            more = f" and {len(check.cells) - _NAMED} more" if len(check.cells) > _NAMED else ""
+            raise PlanError(
+                f"It breaks the rule of {check.name}: {check.message} Cells: {places}{more}.",
+                rule=check.name,
+                cells=check.cells,
+            )
+
+
+def _of_shape(cells: Cells, parts: int) -> tuple[Check, ...]:
+    return (
+        check_count(cells, parts),
+        check_connectivity(cells),
+        check_grounded(cells),
+        check_access(cells),
+    )
+
+
+def _proven(
+    order: tuple[Cell, ...], verdicts: tuple[Verdict, ...], physics: Physics, parts: int
+) -> Draft:
+    checks = (
+        *_of_shape(frozenset(order), parts),
+        check_order(order),
+        check_stability(order, verdicts, physics.least_margin),
+    )
+    refuse_failed(checks)
+    return Draft(order, checks, verdicts)

@@ -1,0 +1,118 @@
+"""Where in the workspace an object stands, and the arm's way to every part of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Sequence
+
+from cellctl.assembling.route import RoutePlanner
+from cellctl.assembly import Assembly, BuildPlan, Cell, Check, Step, StepKind
+from cellctl.config import CellConfig
+from cellctl.errors import PlanError
+from cellctl.validating.draft import Draft
+from cellctl.validating.rules import size_of
+
+
+def site(draft: Draft, config: CellConfig, title: str, provenance: str) -> BuildPlan:
+    """Stand an object, whose cells begin at [0, 0, 0], where the arm can place every part of it, as
+    central as possible.
+
+    Raises:
+        PlanError: there is no such place.
+    """
+    planner = RoutePlanner(config)
+    refused: PlanError | None = None
+    for dx, dy in _places(size_of(draft.cells), config.grid):
+        try:
+            return site_here(draft.moved(dx, dy), config, title, provenance, planner)
+        except PlanError as error:
+            refused = refused or error
+    assert refused is not None, "a place was tried"
+    raise PlanError(
+        f"The arm cannot place every part of this object anywhere in the workspace. "
+        f"{refused.message}",
+        refused.hint or "Ask for a smaller object.",
+        rule="reach",
+    )
+
+
+def site_here(
+    draft: Draft,
+    config: CellConfig,
+    title: str,
+    provenance: str,
+    planner: RoutePlanner | None = None,
+) -> BuildPlan:
+    """Plan an object where it is.
+
+    Raises:
+        PlanError: the arm cannot place every part there.
+    """
+    steps = _steps(draft, planner or RoutePlanner(config))
+    highest_m = max(step.clearance_m or 0.0 for step in steps)
+    reach = Check(
+        name="reach",
+        passed=True,
+        message=f"The arm reaches every part; it crosses at {highest_m:.2f} m at most.",
+    )
+    return BuildPlan(
+        plan_id=_plan_id(draft.order, config),
+        title=title,
+        pitch_m=config.voxel.pitch_m,
+        assembly=Assembly.of(draft.order, config.voxel.pitch_m),
+        steps=steps,
+        checks=(*draft.checks, reach),
+        changes=draft.changes,
+        questions=draft.questions,
+        policy=draft.policy,
+        provenance=provenance,
+        weakest=draft.weakest,
+        closeness=draft.closeness,
+    )
+
+
+def _places(size: tuple[int, int, int], grid: tuple[int, int, int]) -> Iterator[tuple[int, int]]:
+    """Offsets at which an object stands within the grid, the most central first."""
+    room = (grid[0] - size[0], grid[1] - size[1])
+    offsets = [(dx, dy) for dx in range(room[0] + 1) for dy in range(room[1] + 1)]
+    yield from sorted(offsets, key=lambda o: (abs(2 * o[0] - room[0]) + abs(2 * o[1] - room[1]), o))
+
+
+def _steps(draft: Draft, planner: RoutePlanner) -> tuple[Step, ...]:
+    """One step a cell, each with the way that the arm takes and how the structure stands then.
+
+    Raises:
+        PlanError: there is no way to some cell.
+    """
+    steps = []
+    placed: set[Cell] = set()
+    previous: Cell | None = None
+    for index, (cell, verdict) in enumerate(zip(draft.order, draft.verdicts, strict=True)):
+        route = planner.step(cell, placed, previous)
+        steps.append(
+            Step(
+                index=index,
+                kind=StepKind.PLACE,
+                cell=cell,
+                clearance_m=round(route.clearance_m, 4),
+                duration_s=round(route.duration_s, 3),
+                margin=verdict.margin if math.isfinite(verdict.margin) else None,
+            )
+        )
+        placed.add(cell)
+        previous = cell
+    return tuple(steps)
+
+
+def _plan_id(order: Sequence[Cell], config: CellConfig) -> str:
+    """The same object in the same cell has the same."""
+    identity = {
+        "place": order,
+        "pitch_m": config.voxel.pitch_m,
+        "workspace": config.workspace.model_dump(),
+        "base": config.base.frame,
+        "feeder": config.feeder.frame,
+    }
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
