@@ -148,7 +148,7 @@ class StabilitySection(Section):
     """A part turned by this about the vertical is the same part."""
     placement_down_n: NotNegative = 1.5
     """How hard a part is pressed down when it is placed."""
-    placement_side_n: NotNegative = 2.7
+    placement_side_n: NotNegative = 2.9
     """How hard it may be pushed aside meanwhile, at its top face, in any direction."""
     least_margin: Annotated[float, Field(ge=1.0, le=10.0)] = 1.0
     """The joints must bear this many times what every step asks of them."""
