@@ -4,8 +4,9 @@ Pure: no I/O, no clock of its own, all chance from one seed. The emulators of ro
 conveyor tell it what they do; it keeps every part in exactly one place and holds against the cell
 whatever must not happen. It shares no code with the planner.
 
-What it does not know: links of the arm above the gripper, weight and springiness, parts that fall
-onto other parts. A fallen part is out of play until somebody clears the workspace.
+What it does not know: links of the arm above the gripper, springiness, what a part is pulled with
+when it is taken off, parts that fall onto other parts. A fallen part is out of play until somebody
+clears the workspace.
 """
 
 from __future__ import annotations
@@ -13,18 +14,19 @@ from __future__ import annotations
 import math
 import random
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cellctl.assembly import Cell
 from cellctl.config import CellConfig
+from cellctl.sim.physics import Material, collapse
 from cellctl.sim.plant import Floats
 from cellctl.sim.world_belt import BeltPart, BeltRow
 from cellctl.sim.world_contact import Contact, Contacts, Span
 from cellctl.sim.world_geometry import inverse, pose_matrix, rotation
 from cellctl.sim.world_grip import fits, judge_release
-from cellctl.sim.world_support import adrift, falling
+from cellctl.sim.world_support import adrift
 from cellctl.sim.world_values import (
     Imperfections,
     PartTruth,
@@ -68,6 +70,7 @@ class World:
         self._to_feeder = inverse(self._from_feeder)
         self._tool = pose_matrix(config.tool.frame)
         self._contacts = Contacts(config, from_cell)
+        self._material = Material.of(config)
         self._ongoing: set[Contact] = set()
         self._span: Span | None = None
         self._tcp: Floats | None = None
@@ -318,20 +321,31 @@ class World:
     # ---- how it judges ----
 
     def _drop_what_cannot_hold(self, newest: Cell | None) -> None:
-        limit = self.config.limits.overhang_cells
+        """Let fall what does not stay, until all that is left does.
+
+        Args:
+            newest: the part that the arm has just pushed into its place.
+        """
         while True:
-            drops = falling(self._placed.keys(), limit, newest)
-            kind, why = ViolationKind.OVERHANG, f"more than {limit} cells hang out in a row"
-            if not drops:
-                drops = adrift(self._placed.keys())
-                kind, why = ViolationKind.LOST_SUPPORT, "nothing joins it to the floor"
-            if not drops:
+            if loose := adrift(self._placed.keys()):
+                self._drop(
+                    sorted(loose), ViolationKind.LOST_SUPPORT, "nothing joins it to the floor"
+                )
+                continue
+            found = collapse(frozenset(self._placed), self._material, newest)
+            if found is None:
                 return
-            for cell in sorted(drops):
-                part = self._placed.pop(cell)
-                self._fallen.append(part)
-                message = f"The part at cell {tuple(cell)} fell: {why}."
-                self._hold_against(kind, message, part=part, cell=cell)
+            load = "the push of the placement" if found.pushed else "the weight on it"
+            why = f"the joint {found.weakest} does not bear {load}"
+            self._drop(found.moving, ViolationKind.COLLAPSED, why)
+            newest = None  # the arm has let go of it by now
+
+    def _drop(self, cells: Sequence[Cell], kind: ViolationKind, why: str) -> None:
+        for cell in cells:
+            part = self._placed.pop(cell)
+            self._fallen.append(part)
+            message = f"The part at cell {tuple(cell)} fell: {why}."
+            self._hold_against(kind, message, part=part, cell=cell)
 
     def _strain_bond(self, tcp: Floats) -> None:
         """Follow a part that sticks to the held one, until it comes off or is dragged away."""

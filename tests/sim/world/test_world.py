@@ -99,16 +99,78 @@ def test_a_part_let_go_outside_the_workspace_falls(hand: Hand) -> None:
     assert hand.kinds() == [ViolationKind.RELEASED_OUTSIDE]
 
 
-def test_the_fourth_cell_of_a_cantilever_drops(hand: Hand) -> None:
+def test_a_cantilever_of_three_holds_and_with_the_fourth_it_breaks_off(hand: Hand) -> None:
     for cell in [(0, 0, 0), (0, 0, 1), (1, 0, 1), (2, 0, 1), (3, 0, 1)]:
         hand.place(*cell)
     assert hand.world.violations == []
     hand.place(4, 0, 1)
     assert [(v.kind, v.cell) for v in hand.world.violations] == [
-        (ViolationKind.OVERHANG, (4, 0, 1))
+        (ViolationKind.COLLAPSED, (x, 0, 1)) for x in (1, 2, 3, 4)
     ]
-    assert Cell(3, 0, 1) in hand.world.built
-    assert hand.world.counts()[Where.FALLEN] == 1
+    assert hand.world.violations[0].message == (
+        "The part at cell (1, 0, 1) fell: the joint between cells (0, 0, 1) and (1, 0, 1) does not "
+        "bear the weight on it."
+    )
+    assert hand.world.built == {Cell(0, 0, 0), Cell(0, 0, 1)}
+    assert hand.world.counts()[Where.FALLEN] == 4
+
+
+def test_a_lone_column_of_four_stands_and_the_fifth_part_pushes_it_over(hand: Hand) -> None:
+    for z in range(4):
+        hand.place(2, 2, z)
+    assert hand.world.violations == []
+    hand.place(2, 2, 4)
+    assert {v.kind for v in hand.world.violations} == {ViolationKind.COLLAPSED}
+    assert hand.world.violations[0].message == (
+        "The part at cell (2, 2, 0) fell: the joint between the floor and cell (2, 2, 0) does not "
+        "bear the push of the placement."
+    )
+    assert hand.world.built == frozenset()
+
+
+def test_a_column_with_another_beside_it_grows_higher(hand: Hand) -> None:
+    for z in range(5):
+        hand.place(2, 2, z)
+        hand.place(3, 2, z)
+    assert hand.world.violations == []
+
+
+def test_parts_that_hold_and_parts_that_do_not_are_a_matter_of_the_magnets() -> None:
+    config = emulated_config()
+    weak = config.stability.model_copy(
+        update={"magnet_force_n": 5.0, "placement_side_n": 0.5, "placement_down_n": 0.0}
+    )
+    hand = Hand(World(config.model_copy(update={"stability": weak})))
+    for cell in [(0, 0, 0), (0, 0, 1), (1, 0, 1), (2, 0, 1)]:
+        hand.place(*cell)
+    assert [(v.kind, v.cell) for v in hand.world.violations] == [
+        (ViolationKind.COLLAPSED, (1, 0, 1)),
+        (ViolationKind.COLLAPSED, (2, 0, 1)),
+    ]
+
+
+def test_on_a_bare_floor_what_leans_too_far_tips_over() -> None:
+    config = emulated_config()
+    bare = config.stability.model_copy(
+        update={"floor": "bare", "placement_side_n": 0.5, "placement_down_n": 0.5}
+    )
+    hand = Hand(World(config.model_copy(update={"stability": bare})))
+    for cell in [(0, 0, 0), (0, 0, 1), (1, 0, 1)]:
+        hand.place(*cell)
+    assert hand.world.built == {Cell(0, 0, 0), Cell(0, 0, 1), Cell(1, 0, 1)}
+    hand.place(2, 0, 1)
+    assert hand.world.built == frozenset()
+
+
+def test_a_visitor_who_takes_one_end_of_a_bridge_lets_the_rest_break_off(hand: Hand) -> None:
+    ends = [(0, 0, 0), (5, 0, 0), (0, 0, 1), (5, 0, 1)]
+    for cell in [*ends, (1, 0, 1), (4, 0, 1), (2, 0, 1), (3, 0, 1)]:
+        hand.place(*cell)
+    assert hand.world.violations == []
+    hand.world.take_placed_part(Cell(0, 0, 1))
+    assert [(v.kind, v.cell) for v in hand.world.violations] == [
+        (ViolationKind.COLLAPSED, (x, 0, 1)) for x in (1, 2, 3, 4)
+    ]
 
 
 def test_a_part_that_is_picked_from_under_others_lets_them_fall(hand: Hand) -> None:

@@ -1,0 +1,75 @@
+"""Which parts do not stay where they are."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cellctl.assembly import Cell
+from cellctl.sim.physics.joints import Floats, Joint, Material
+from cellctl.sim.physics.least_constraint import accelerations
+from cellctl.sim.physics.load_path import surely_stands
+from cellctl.sim.physics.loads import at_top, placement_pushes
+from cellctl.sim.physics.structure import Structure
+
+STAYS = 5e-4
+"""A part stays if neither its centre nor its rim begins to move with more than this, in g. A
+cantilever of three whose joint lacks a two-thousandth of the magnet's force moves with it."""
+_ALIKE = 7
+"""Digits by which motions differ; what is alike to these is taken in the order of its cells."""
+
+
+class Collapse(NamedTuple):
+    """A structure that does not stand."""
+
+    moving: tuple[Cell, ...]
+    """The parts that do not stay, in order."""
+    weakest: Joint
+    """The joint that gives way fastest."""
+    pushed: bool
+    """Whether it stands at rest, and gives way to the push of a placement."""
+
+
+def collapse(
+    cells: frozenset[Cell], material: Material, newest: Cell | None = None
+) -> Collapse | None:
+    """Whether, and how, a structure of rigid parts begins to collapse.
+
+    Args:
+        cells: where parts are; each is joined to the floor by a chain of faces.
+        material: what holds them together.
+        newest: the part that is being placed, if one is.
+
+    Returns:
+        None if all parts stay.
+    """
+    if not cells or surely_stands(cells, material, newest):
+        return None
+    structure = Structure(cells, material)
+    motions = accelerations(structure, _loads(structure, newest))
+    fastest = np.abs(motions).max(axis=(1, 2)).round(_ALIKE)
+    # At rest first: what moves then needs no push.
+    case = 0 if fastest[0] > STAYS else int(fastest.argmax())
+    if fastest[case] <= STAYS:
+        return None
+    moves = np.abs(motions[case]).max(axis=1) > STAYS
+    gives = np.abs(structure.relative(motions[case : case + 1])[0]).max(axis=1)
+    return Collapse(
+        moving=tuple(sorted(c for c, moved in zip(structure.cells, moves, strict=True) if moved)),
+        weakest=structure.joints[int(gives.round(_ALIKE).argmax())],
+        pushed=case > 0,
+    )
+
+
+def _loads(structure: Structure, newest: Cell | None) -> Floats:
+    """Cases x parts x 6: at rest, and during each push of the placement."""
+    rest = structure.weights()
+    cases = [rest]
+    if newest is not None:
+        part = structure.cells.index(newest)
+        for push in placement_pushes(newest, frozenset(structure.cells), structure.material):
+            pushed = rest.copy()
+            pushed[part] += at_top(push)
+            cases.append(pushed)
+    return np.stack(cases)
