@@ -12,6 +12,7 @@ import pytest
 
 from cellctl.assembly import Cell
 from cellctl.listening.voice import speak_to_wav
+from cellctl.validating.rules import pieces
 from tests.cell.harness import RunningCell, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -36,9 +37,9 @@ def spoken(text: str, folder: Path) -> tuple[str, bytes]:
     return path.name, path.read_bytes()
 
 
-def columns(cells: tuple[Cell, ...]) -> set[tuple[int, int]]:
-    """Where parts stand on the floor: the legs."""
-    return {(cell.x, cell.y) for cell in cells if cell.z == 0}
+def legs(cells: tuple[Cell, ...]) -> int:
+    """How many legs stand on the floor, however thick."""
+    return len(pieces(cell for cell in cells if cell.z == 0))
 
 
 def tiers(cells: tuple[Cell, ...]) -> int:
@@ -59,7 +60,7 @@ def build(cell: RunningCell, text: str, folder: Path) -> tuple[Cell, ...]:
 
 def test_a_simple_stool(idle: RunningCell, tmp_path: Path) -> None:
     built = build(idle, "I want a simple stool", tmp_path)
-    assert len(columns(built)) == 3
+    assert legs(built) == 3
     assert 20 <= len(built) <= 40
     seen = idle.states_seen()
     while seen[0] in {"starting", "idle"}:  # told before the wish, and read after it
@@ -90,7 +91,7 @@ def test_the_letter_t(idle: RunningCell, tmp_path: Path) -> None:
 
 def test_a_table_with_one_leg(idle: RunningCell, tmp_path: Path) -> None:
     built = build(idle, "assemble me a table with one leg", tmp_path)
-    assert len(columns(built)) == 1
+    assert legs(built) == 1
     assert sum(1 for cell in built if cell.z == max(c.z for c in built)) >= 9
 
 

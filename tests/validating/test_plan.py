@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cellctl.assembly import BuildPlan, Cell, Intent, Request, StepKind
+from cellctl.config import CellConfig
 from cellctl.errors import PlanError, UsageError
 from cellctl.generating.boxes import Box
 from cellctl.generating.design import design
@@ -17,11 +18,18 @@ from cellctl.validating.files import load_mesh, load_plan, read_mesh
 from cellctl.validating.plan import plan_build, plan_cells, plan_file
 from tests.validating.shapes import CONFIG, cells_of, generated, paper
 
-CHECKS = ["count", "overhang", "stack", "connectivity", "grounded", "access", "order", "reach"]
+CHECKS = ["count", "connectivity", "grounded", "access", "order", "stability", "reach"]
+PAPER = CONFIG.model_copy(
+    update={"planning": CONFIG.planning.model_copy(update={"policy": "paper"})}
+)
+PAPER_CHECKS = ["count", "overhang", "stack", "connectivity", "access", "reach"]
 
 
 def wish(
-    noun: str, attributes: dict[str, int | str] | None = None, height_m: float | None = None
+    noun: str,
+    attributes: dict[str, int | str] | None = None,
+    height_m: float | None = None,
+    config: CellConfig = CONFIG,
 ) -> BuildPlan:
     request = Request(
         text=noun,
@@ -31,25 +39,34 @@ def wish(
         attributes={**(attributes or {})},
         dimensions_m={} if height_m is None else {"height": height_m},
     )
-    return plan_build(design(request, CONFIG), CONFIG)
+    return plan_build(design(request, config), config)
 
 
 @pytest.mark.parametrize(
-    ("noun", "attributes", "parts", "size"),
+    ("config", "noun", "attributes", "parts", "size"),
     [
-        ("stool", {}, 30, (5, 4, 5)),
-        ("shelf", {"tiers": 2}, 32, (5, 2, 5)),
-        ("letter", {"glyph": "T"}, 7, (3, 1, 5)),
-        ("table", {"legs": 1}, 20, (4, 4, 5)),
+        (CONFIG, "stool", {}, 30, (5, 4, 5)),
+        (CONFIG, "shelf", {"tiers": 2}, 40, (6, 2, 6)),  # full width and height
+        (CONFIG, "letter", {"glyph": "T"}, 7, (3, 1, 5)),
+        (CONFIG, "table", {"legs": 1}, 23, (4, 4, 6)),
+        (PAPER, "stool", {}, 30, (5, 4, 5)),
+        (PAPER, "shelf", {"tiers": 2}, 32, (5, 2, 5)),
+        (PAPER, "letter", {"glyph": "T"}, 7, (3, 1, 5)),
+        (PAPER, "table", {"legs": 1}, 20, (4, 4, 5)),
     ],
 )
 def test_the_papers_prompts(
-    noun: str, attributes: dict[str, int | str], parts: int, size: tuple[int, int, int]
+    config: CellConfig,
+    noun: str,
+    attributes: dict[str, int | str],
+    parts: int,
+    size: tuple[int, int, int],
 ) -> None:
-    plan = wish(noun, attributes)
+    plan = wish(noun, attributes, config=config)
     assert plan.parts == parts
     assert plan.assembly.size == size
-    assert [check.name for check in plan.checks] == CHECKS
+    assert plan.policy == config.planning.policy
+    assert [check.name for check in plan.checks] == (PAPER_CHECKS if config is PAPER else CHECKS)
     assert all(check.passed and not check.cells for check in plan.checks)
     assert [step.index for step in plan.steps] == list(range(parts))
     assert {step.cell for step in plan.steps} == set(plan.assembly.cells)
@@ -81,16 +98,42 @@ def test_changes_and_questions_reach_the_plan() -> None:
     shelf = wish("shelf")
     assert [(change.what, change.why) for change in shelf.changes] == [
         (
-            "It is 5 x 2 x 5 parts large instead of 6 x 3 x 6 (wide, deep, high).",
+            "It is one part shallower: 6 x 2 x 6 parts (wide, deep, high) instead of 6 x 3 x 6.",
             "It would take 60 parts, and there are 40.",
-        )
+        ),
+        ("All legs became thinner.", "It would take 60 parts, and there are 40."),
     ]
+    assert shelf.closeness is not None
+    assert shelf.closeness.proven
+    assert shelf.closeness.baseline_score is not None
+    assert shelf.closeness.score > shelf.closeness.baseline_score
+
+
+def test_a_plan_names_its_weakest_joint_and_when_it_bears_most() -> None:
+    plan = wish("letter", {"glyph": "T"})
+    margins = [step.margin for step in plan.steps if step.margin is not None]
+    assert plan.weakest is not None
+    assert plan.weakest.margin == min(margins) >= CONFIG.stability.least_margin
+    assert plan.steps[plan.weakest.step].margin == plan.weakest.margin
+    standing = {step.cell for step in plan.steps[: plan.weakest.step + 1]}
+    assert plan.weakest.cell in standing
+    assert plan.weakest.other in standing | {plan.weakest.cell.below()}
+
+
+def test_the_papers_policy_asks_before_it_builds_what_its_joints_cannot_bear() -> None:
+    weak = PAPER.model_copy(
+        update={"stability": PAPER.stability.model_copy(update={"magnet_force_n": 8.0})}
+    )
+    (question,) = wish("table", {"legs": 1}, config=weak).questions
+    assert "come apart in step" in question
+    assert wish("letter", {"glyph": "T"}, config=PAPER).questions == ()
 
 
 def test_fewer_parts_on_hand_make_a_smaller_object() -> None:
     box = generated(Box(0, 0, 0, 3, 3, 3))
     assert plan_build(box, CONFIG, 27).parts == 27
-    assert plan_build(box, CONFIG, 10).parts == 8
+    assert plan_build(box, CONFIG, 10).parts == 9
+    assert plan_build(box, PAPER, 10).parts == 8
     with pytest.raises(PlanError, match="no parts"):
         plan_build(box, CONFIG, 0)
 
@@ -111,8 +154,13 @@ def test_an_arm_that_cannot_reach_refuses_the_plan() -> None:
 def test_cells_are_planned_as_given_or_refused_with_the_rule() -> None:
     plan = plan_cells(cells_of(Box(0, 0, 0, 2, 2, 2)), CONFIG)
     assert plan.parts == 8
-    with pytest.raises(PlanError, match="rule of stack"):
+    with pytest.raises(PlanError, match="rule of stability") as refused:
         plan_cells(cells_of(Box(0, 0, 0, 1, 1, 6)), CONFIG)
+    assert refused.value.rule == "stability"
+    assert Cell(0, 0, 5) in refused.value.cells
+    with pytest.raises(PlanError, match="paper's rule of stack"):
+        plan_cells(cells_of(Box(0, 0, 0, 1, 1, 5)), PAPER)
+    assert plan_cells(cells_of(Box(0, 0, 0, 1, 1, 5)), CONFIG).parts == 5
     with pytest.raises(PlanError, match="workspace has 6 x 5 x 6"):
         plan_cells(cells_of(Box(0, 0, 0, 7, 1, 1)), CONFIG)
     with pytest.raises(PlanError, match="no cells"):
@@ -122,8 +170,9 @@ def test_cells_are_planned_as_given_or_refused_with_the_rule() -> None:
 @pytest.mark.parametrize(("name", "rule"), [("stool", "count"), ("letter_t", "stack")])
 def test_the_papers_cells_break_the_rules_they_broke(test_data: Path, name: str, rule: str) -> None:
     cells, _ = paper(test_data, name)
-    with pytest.raises(PlanError, match=f"rule of {rule}"):
-        plan_cells(cells, CONFIG)
+    with pytest.raises(PlanError, match=f"rule of {rule}") as refused:
+        plan_cells(cells, PAPER)
+    assert refused.value.rule == rule
 
 
 def test_a_plan_survives_its_file(tmp_path: Path) -> None:
@@ -132,6 +181,8 @@ def test_a_plan_survives_its_file(tmp_path: Path) -> None:
     file.write_text(plan.model_dump_json())
     assert load_plan(file) == plan
     assert plan_file("t.json", file.read_bytes(), CONFIG) == plan
+    paper = wish("table", {"legs": 1}, config=PAPER)
+    assert plan_file("t.json", paper.model_dump_json().encode(), CONFIG) == paper
     assert pickle.loads(pickle.dumps(plan)) == plan  # noqa: S301 - our own bytes
 
 

@@ -135,6 +135,8 @@ def _accepted(
                 f"It breaks the paper's rule of {check.name}: {check.message} "
                 f"Cells: {places}{more}.",
                 'Ask for another shape, or plan with planning.policy = "cellctl".',
+                rule=check.name,
+                cells=check.cells,
             )
     return PaperPlan(cells, order.cells, checks, changes)
 
