@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cellctl.errors import PlanError
-from cellctl.validating.orientation import Floats, Ints, agreeing, is_closed, mixed, oriented
+from cellctl.validating.doubles import without_doubles
+from cellctl.validating.orientation import Floats, Ints, agreeing, is_closed, oriented
 
 MOST_TRIANGLES = 5_000_000
 """Above this no mesh is worth the memory at the resolution of a cell."""
@@ -74,7 +75,7 @@ def clean(vertices: Floats, faces: Ints) -> Surface:
             "The shape is a single point or line: no face of its mesh has an area.",
             "Ask again, or otherwise.",
         )
-    faces = _without_doubles(faces)
+    faces = without_doubles(faces)
     vertices, faces = _used(vertices, faces)
     if not is_closed(faces) and not agreeing(faces):
         faces = oriented(vertices, faces)
@@ -108,34 +109,3 @@ def _weld(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     merged = np.empty(len(vertices), dtype=np.int64)
     merged[order] = np.cumsum(new) - 1
     return vertices[order[new]], merged[faces]
-
-
-def _without_doubles(faces: Ints) -> Ints:
-    """One of each face.
-
-    Two faces on the same three vertices with opposite sides are the wall between two solids that
-    touch, and both stay; unless the mesh is double-sided throughout, when one side must go, or the
-    two would cancel.
-    """
-    a, b, c = faces.T
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    whole = mixed(mixed(low, high).astype(np.int64), a + b + c - low - high) & ~np.uint64(1)
-    ranked = np.sort(whole)
-    if not np.any(ranked[1:] == ranked[:-1]):
-        return faces
-    # Which of the two cyclic orders: the parity of the permutation that sorts the face.
-    sided = whole | ((a > b) ^ (b > c) ^ (a > c)).astype(np.uint64)
-    order = np.argsort(sided, kind="stable")
-    again = np.zeros(len(faces), dtype=np.bool_)
-    again[order[1:]] = sided[order[1:]] == sided[order[:-1]]
-    kept = order[~again[order]]
-    twin = np.zeros(len(kept), dtype=np.bool_)
-    twin[1:] = whole[kept[1:]] == whole[kept[:-1]]
-    second = twin.copy()
-    twin[:-1] |= second[1:]
-    if twin.any():
-        rest = kept[~twin]
-        walls = len(rest) > 0 and (2 * len(rest) > len(kept) or is_closed(faces[rest]))
-        if not walls:
-            kept = kept[~second]
-    return faces[np.sort(kept)]

@@ -19,8 +19,9 @@ from cellctl.validating.orientation import Bools, Floats, Ints
 _BLOCK = 300_000
 """Most triangle-box pairs that are looked at together; bounds the memory."""
 
-_MOST_PAIRS = 200_000_000
-"""A mesh of 5 million triangles, each smaller than a cell, stays far below it."""
+_MOST_PAIRS = 2_000_000
+"""Most pairs of a triangle larger than a cell and a cell within its bounds; they take some ten
+seconds. An object of many triangles has small ones; only a tangle has as many large."""
 
 
 class Lattice(NamedTuple):
@@ -85,7 +86,9 @@ class Crossing:
         # A triangle within one slot says no more than its corners do.
         self._wide = np.flatnonzero((low != high).any(axis=1))
         self._low, self._high = low[self._wide], high[self._wide]
-        if int((self._high // 2 - self._low // 2 + 1).prod(axis=1).sum()) > _MOST_PAIRS:
+        cells = (self._high // 2 - self._low // 2 + 1).prod(axis=1)
+        # Wherever it lies, a triangle smaller than a cell is in at most 2 x 2 x 2.
+        if int(cells[cells > 8].sum()) > _MOST_PAIRS:
             raise PlanError(
                 f"The mesh is a tangle of {len(surface.faces)} triangles, most of which reach "
                 "across many parts.",

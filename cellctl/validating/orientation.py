@@ -54,7 +54,7 @@ def is_closed(faces: Ints) -> bool:
 
 def agreeing(faces: Ints) -> bool:
     """Whether triangles that share an edge nearly always agree about which side is out."""
-    keys, forward, _ = _edges(faces, 1 if len(faces) < _EXACT_BELOW else _SAMPLE)
+    keys, forward, _ = edges(faces, 1 if len(faces) < _EXACT_BELOW else _SAMPLE)
     pairs = _pairs(keys)
     if len(pairs) == 0:
         return True
@@ -68,7 +68,7 @@ def oriented(vertices: Floats, faces: Ints) -> Ints:
     hollow inside a piece, being a piece of its own, becomes solid.
     """
     count = len(faces)
-    keys, forward, owner = _edges(faces, 1)
+    keys, forward, owner = edges(faces)
     pairs = _pairs(keys)
     one, two = owner[pairs], owner[pairs + 1]
     # Consistent neighbours run along their common edge in opposite directions.
@@ -95,14 +95,18 @@ def oriented(vertices: Floats, faces: Ints) -> Ints:
         above = above[above]
     turned = faces.copy()
     turned[flip[:-1]] = turned[flip[:-1]][:, ::-1]
-    corners = (vertices - vertices.mean(axis=0))[turned]
+    corners = vertices[turned]
+    # From each piece's own middle: the volume of one with a hole depends on where one looks from.
+    middles = [np.bincount(piece, along) for along in corners.mean(axis=1).T]
+    middle = np.stack(middles, axis=1) / np.bincount(piece)[:, None]
+    corners -= middle[piece][:, None, :]
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     inverted = np.bincount(piece, weights=volume, minlength=pieces) < 0
     turned[inverted[piece]] = turned[inverted[piece]][:, ::-1]
     return turned
 
 
-def _edges(faces: Ints, one_in: int) -> tuple[Hashes, Bools, Ints]:
+def edges(faces: Ints, one_in: int = 1) -> tuple[Hashes, Bools, Ints]:
     """A key, a direction and the owning face of every edge, or of one in so many; by key."""
     start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
     keys = mixed(np.minimum(start, end), np.maximum(start, end))

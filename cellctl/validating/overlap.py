@@ -15,7 +15,7 @@ from cellctl.validating.clean import Surface
 from cellctl.validating.crossing import blocks, candidates
 from cellctl.validating.orientation import Floats, Ints
 
-_COLUMNS = 8
+_COLUMNS = 16
 """So many along each edge of a cell's floor."""
 
 _PLACE = np.array([0.4142135, 0.5772156])
@@ -29,8 +29,9 @@ class Windings(NamedTuple):
     """What the columns saw."""
 
     excess: Floats
-    """(nx, ny, nz): by how much the enclosed volume, as often as the surface winds around it,
-    exceeds the solid, which is there once; in cells."""
+    """(nx, ny, nz), in cells: by how much the enclosed volume, counted as often as the surface
+    winds around it, exceeds the solid, which is there once. What is inside out is left out: beside
+    a hole a column may seem so that is not."""
     outward: float
     """Volume around which the surface winds as it should, in cells."""
     inward: float
@@ -55,7 +56,7 @@ def windings(surface: Surface, size: tuple[int, int, int]) -> Windings:
     length = height[:-1] - height[1:]
     outward = float(length[number > 0].sum()) / _COLUMNS**2
     inward = float(length[number < 0].sum()) / _COLUMNS**2
-    more = np.flatnonzero(((number > 1) | (number < 0)) & (length > 0))
+    more = np.flatnonzero((number > 1) & (length > 0))
     excess = np.zeros(size)
     if len(more):
         top, bottom = height[more], height[more + 1]

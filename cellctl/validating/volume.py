@@ -16,7 +16,7 @@ import numpy as np
 from cellctl.validating.clean import Surface
 from cellctl.validating.orientation import Floats
 
-_BLOCK = 250_000
+_BLOCK = 100_000
 """Most triangles that are cut at once; bounds the memory."""
 
 

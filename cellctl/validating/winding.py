@@ -11,14 +11,15 @@ import numpy as np
 from cellctl.validating.clean import Surface
 from cellctl.validating.orientation import Floats
 
-_FINE = 6
+_FINE = 4
 """Triangles smaller than a cell's edge divided by this are summed in groups of that size. A point
-asked about is the centre of a cell that the surface does not meet, three such groups away."""
+asked about is the centre of a cell that the surface does not meet, two such groups away: numbers
+are then right to 0.01."""
 
 _EXACT_BELOW = 1_000
 """Fewer triangles than this are not worth grouping."""
 
-_BLOCK = 100_000
+_BLOCK = 50_000
 """Most point-triangle pairs at once: what fits a processor's cache."""
 
 

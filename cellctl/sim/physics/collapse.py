@@ -9,8 +9,8 @@ import numpy as np
 from cellctl.assembly import Cell
 from cellctl.sim.physics.joints import Floats, Joint, Material
 from cellctl.sim.physics.least_constraint import accelerations
-from cellctl.sim.physics.load_path import surely_stands
-from cellctl.sim.physics.loads import at_top, placement_pushes
+from cellctl.sim.physics.load_path import unproven
+from cellctl.sim.physics.loads import REST, Push, at_top
 from cellctl.sim.physics.structure import Structure
 
 STAYS = 5e-4
@@ -44,13 +44,14 @@ def collapse(
     Returns:
         None if all parts stay.
     """
-    if not cells or surely_stands(cells, material, newest):
+    loads = unproven(cells, material, newest)
+    if not loads:
         return None
     structure = Structure(cells, material)
-    motions = accelerations(structure, _loads(structure, newest))
+    motions = accelerations(structure, _forces(structure, loads, newest), STAYS)
     fastest = np.abs(motions).max(axis=(1, 2)).round(_ALIKE)
     # At rest first: what moves then needs no push.
-    case = 0 if fastest[0] > STAYS else int(fastest.argmax())
+    case = 0 if loads[0] == REST and fastest[0] > STAYS else int(fastest.argmax())
     if fastest[case] <= STAYS:
         return None
     moves = np.abs(motions[case]).max(axis=1) > STAYS
@@ -58,18 +59,13 @@ def collapse(
     return Collapse(
         moving=tuple(sorted(c for c, moved in zip(structure.cells, moves, strict=True) if moved)),
         weakest=structure.joints[int(gives.round(_ALIKE).argmax())],
-        pushed=case > 0,
+        pushed=loads[case] != REST,
     )
 
 
-def _loads(structure: Structure, newest: Cell | None) -> Floats:
-    """Cases x parts x 6: at rest, and during each push of the placement."""
-    rest = structure.weights()
-    cases = [rest]
+def _forces(structure: Structure, loads: tuple[Push, ...], newest: Cell | None) -> Floats:
+    """Cases x parts x 6: on all parts, under each of the loads."""
+    forces = np.repeat(structure.weights()[None], len(loads), axis=0)
     if newest is not None:
-        part = structure.cells.index(newest)
-        for push in placement_pushes(newest, frozenset(structure.cells), structure.material):
-            pushed = rest.copy()
-            pushed[part] += at_top(push)
-            cases.append(pushed)
-    return np.stack(cases)
+        forces[:, structure.cells.index(newest)] += [at_top(push) for push in loads]
+    return forces

@@ -37,12 +37,13 @@ _BACK_OFF = 0.995
 """Steps end this near to where something would leave the interior."""
 
 
-def accelerations(structure: Structure, loads: Floats) -> Floats:
+def accelerations(structure: Structure, loads: Floats, still: float = 0.0) -> Floats:
     """How the parts begin to move under each of several loads.
 
     Args:
         structure: at least one part.
         loads: cases x parts x 6: forces and moments on the parts, magnets included.
+        still: what is proven to be slower than this (in g) is given as 0.
 
     Returns:
         Cases x parts x 6: linear and angular accelerations.
@@ -52,11 +53,12 @@ def accelerations(structure: Structure, loads: Floats) -> Floats:
     found = np.zeros_like(loads)
     unfinished = np.arange(len(loads))
     for _ in range(ITERATIONS):
-        done = iterate.finished()
-        found[unfinished[done]] = iterate.motion[done]
+        stands = newton.least_bound(iterate) < still
+        done = iterate.finished() | stands
+        found[unfinished[done]] = np.where(stands[done, None, None], 0.0, iterate.motion[done])
         unfinished, iterate = unfinished[~done], iterate.only(~done)
         if not len(unfinished):
-            break
+            return found
         iterate = newton.improved(iterate)
     found[unfinished] = iterate.motion
     return found
@@ -102,6 +104,16 @@ class _Newton:
         shape = (len(load), len(self._structure.joints), self._corners.shape[1])
         motion = np.zeros_like(load)
         return _Iterate(load, motion, np.ones(shape), np.ones(shape), np.ones(len(load)))
+
+    def least_bound(self, at: _Iterate) -> Floats:
+        """How fast any part can begin to move at most, by case.
+
+        Whatever the corners push with, the forces that remain are a bound: the least that can
+        remain, over all pushes, is what accelerates the parts [the dual of the minimum].
+        """
+        remains = at.load + self._structure.forces(at.force @ self._corners.T)
+        inertia = self._structure.inertia
+        return np.asarray(np.sqrt((remains**2 / inertia).sum(axis=(1, 2)) / inertia.min()))
 
     def improved(self, at: _Iterate) -> _Iterate:
         """One step of predictor and corrector."""

@@ -1,7 +1,7 @@
-"""A quick proof that a structure stands: every part hands its load down one path to the floor.
+"""A quick proof that a load is borne: every part hands what it bears down one path to the floor.
 
-If all joints on these paths bear what they are handed, the structure stands [the lower bound
-theorem of limit analysis: any balance of forces that overloads no joint is proof]. If not, it may
+If no joint on these paths is overloaded, the structure stands [the lower bound theorem of limit
+analysis: any balance of forces that overloads no joint is proof]. If one is, the structure may
 stand all the same, because loads can be shared.
 """
 
@@ -11,43 +11,51 @@ from collections.abc import Iterable
 
 from cellctl.assembly import Cell
 from cellctl.sim.physics.joints import Joint, Material
-from cellctl.sim.physics.loads import placement_pushes
+from cellctl.sim.physics.loads import Push, pushes
 
 Triple = tuple[float, float, float]
 
 
-def surely_stands(cells: frozenset[Cell], material: Material, newest: Cell | None) -> bool:
-    """Whether single paths are proof enough; False says nothing.
+def unproven(
+    cells: frozenset[Cell], material: Material, newest: Cell | None = None
+) -> tuple[Push, ...]:
+    """The pushes (and rest) under which single paths do not prove that a structure stands.
 
     Args:
         cells: all are joined to the floor.
-        newest: the part that is being placed.
+        newest: the part that is being placed, if one is.
     """
     path = _parents(cells)
+    loads = pushes(newest, cells, material)
+    pushed_joints = _to_the_floor(newest, path)
     weight = dict.fromkeys(path, 1.0)
     moments = {cell: _cross(_centre(cell), (0.0, 0.0, -1.0)) for cell in path}
+    left: set[Push] = set()
     for cell in reversed(path):
-        joint, parent = _joint(cell, path[cell])
-        if not _bears(joint, cell, (0.0, 0.0, -weight[cell]), moments[cell], material):
-            return False
+        joint, parent = _joint(cell, path[cell]), path[cell]
+        down, moment = (0.0, 0.0, -weight[cell]), moments[cell]
+        if newest is None or cell not in pushed_joints:
+            if not _bears(joint, cell, down, moment, material):
+                return loads
+        else:
+            x, y, z = _centre(newest)
+            for push in loads:
+                about = _plus(moment, _cross((x, y, z + 1.0), push))
+                if not _bears(joint, cell, _plus(down, push), about, material):
+                    left.add(push)
         if parent in path:
             weight[parent] += weight[cell]
-            moments[parent] = _plus(moments[parent], moments[cell])
-    if newest is None:
-        return True
-    x, y, z = _centre(newest)
-    pushes = [
-        (push, _cross((x, y, z + 1.0), push)) for push in placement_pushes(newest, cells, material)
-    ]
-    cell = newest
-    while cell in path:
-        joint, parent = _joint(cell, path[cell])
-        for push, moment in pushes:
-            force = _plus((0.0, 0.0, -weight[cell]), push)
-            if not _bears(joint, cell, force, _plus(moments[cell], moment), material):
-                return False
-        cell = parent
-    return True
+            moments[parent] = _plus(moments[parent], moment)
+    return tuple(push for push in loads if push in left)
+
+
+def _to_the_floor(cell: Cell | None, path: dict[Cell, Cell]) -> set[Cell]:
+    """The cells on one's way down, itself included."""
+    found = set()
+    while cell is not None and cell in path:
+        found.add(cell)
+        cell = path[cell]
+    return found
 
 
 def _parents(cells: frozenset[Cell]) -> dict[Cell, Cell]:
@@ -71,10 +79,10 @@ def _parents(cells: frozenset[Cell]) -> dict[Cell, Cell]:
     return path
 
 
-def _joint(cell: Cell, parent: Cell) -> tuple[Joint, Cell]:
+def _joint(cell: Cell, parent: Cell) -> Joint:
     axis = next(at for at in range(3) if cell[at] != parent[at])
     lower, upper = (parent, cell) if parent[axis] < cell[axis] else (cell, parent)
-    return Joint(lower, upper, axis), parent
+    return Joint(lower, upper, axis)
 
 
 def _bears(joint: Joint, cell: Cell, force: Triple, moment: Triple, material: Material) -> bool:

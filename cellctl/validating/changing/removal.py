@@ -1,0 +1,107 @@
+"""Taking one part away, and in which order all of them: every state is proven, none is guessed."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from cellctl.assembly import Cell
+from cellctl.validating.changing.breaking import PULL, Breaking, Hinge, breakings
+from cellctl.validating.rules import Cells, pieces
+from cellctl.validating.stability import Physics, Verdict, assess
+from cellctl.validating.stability.assess import STANDS, as_array, to_verdict
+from cellctl.validating.stability.programme import Programme
+
+
+class Removal(NamedTuple):
+    """One part that goes back to the belt, and how it comes off."""
+
+    cell: Cell
+    how: Literal["pull", "peel"]
+    """``pull``: straight up; ``peel``: turned a little first, then straight up."""
+    direction: tuple[int, int] | None
+    """Of a peel: where the part's top goes, along x, y or a diagonal."""
+    hinge: Hinge | None
+    """Of a peel: the level axis that it turns about."""
+    margin: float
+    """How many times stronger the rest's magnets are than it needs, while this part comes off and
+    after; infinite where it needs none."""
+    force_n: float
+    """What the arm applies: upward; of a peel, its couple divided by the part's edge."""
+
+
+class Attempt(NamedTuple):
+    """What became of looking for a way to take one part."""
+
+    removal: Removal | None
+    """The gentlest way that the rest bears; None if it bears none."""
+    verdict: Verdict
+    """The worst of that way, or of the best of those that the rest does not bear."""
+
+
+def assess_removal(
+    cells: Cells, cell: Cell, physics: Physics, after: Verdict | None = None
+) -> Attempt:
+    """The gentlest way to take a part that the rest bears, and how well it does.
+
+    Access from above is not asked here, and a part that carries others is the caller's mistake:
+    the verdict on what is left says only what happens without it.
+
+    Args:
+        cells: what stands, ``cell`` included.
+        cell: the part to take.
+        physics: what holds it.
+        after: the verdict on what is left, where that is known.
+
+    Raises:
+        PlanError: the solver failed.
+    """
+    left = cells - {cell}
+    after = assess(left, physics) if after is None else after
+    if after.margin < physics.least_margin:
+        return Attempt(None, after)
+    refused: Verdict | None = None
+    for breaking in breakings(cells, cell, physics):
+        verdict = min(while_breaking(left, breaking, physics), after, key=lambda v: v.margin)
+        if verdict.margin >= physics.least_margin:
+            way = breaking.way
+            removal = Removal(
+                cell, way.how, way.direction, way.hinge, verdict.margin, breaking.force_n
+            )
+            return Attempt(removal, verdict)
+        if refused is None or verdict.margin > refused.margin:
+            refused = verdict
+    # A part between neighbours on all sides can still be pulled, so some way was tried.
+    assert refused is not None
+    return Attempt(None, refused)
+
+
+def while_breaking(left: Cells, breaking: Breaking, physics: Physics) -> Verdict:
+    """How the rest bears that a part comes off it; pieces that do not touch the part are left out.
+
+    Raises:
+        PlanError: the solver failed.
+    """
+    worst = STANDS
+    for piece in pieces(left):
+        felt = [cell for cell in breaking.loads if cell in piece]
+        if not felt:
+            continue
+        numbered = sorted(piece)
+        programme = Programme(as_array(numbered), physics)
+        loads = programme.weights()
+        for cell in felt:
+            loads[numbered.index(cell)] += breaking.loads[cell]
+        verdict = to_verdict(programme.solve(loads), numbered)
+        worst = min(worst, verdict, key=lambda v: v.margin)
+    return worst
+
+
+def pull_of(cells: Cells, cell: Cell, physics: Physics) -> Attempt:
+    """As ``assess_removal``, by a straight pull alone: the baseline."""
+    left = cells - {cell}
+    pull = next(b for b in breakings(cells, cell, physics) if b.way == PULL)
+    verdict = min(
+        while_breaking(left, pull, physics), assess(left, physics), key=lambda v: v.margin
+    )
+    removal = Removal(cell, "pull", None, None, verdict.margin, pull.force_n)
+    return Attempt(removal if verdict.margin >= physics.least_margin else None, verdict)
