@@ -91,6 +91,52 @@ def make_plan(
     return plan_file(path.name, read_file(path), config, inventory, progress)
 
 
+def make_change(
+    given: str,
+    config: CellConfig,
+    *,
+    standing: Path | None,
+    take_apart: bool,
+    height_m: float | None = None,
+    up: Up = "auto",
+    progress: Progress | None = None,
+) -> BuildPlan:
+    """As ``make_plan``, where something stands in the workspace already.
+
+    Args:
+        given: what is wanted; with ``take_apart`` the file of what stands.
+        config: the cell.
+        standing: the file of what stands and is to become what is wanted, if anything.
+        take_apart: whether what stands is to be taken away.
+        height_m, up, progress: as in ``make_plan``.
+
+    Raises:
+        UsageError: a file is missing or unusable, or the options do not go together.
+        CellctlError: as from ``make_plan``.
+    """
+    if not take_apart and standing is None:
+        return make_plan(given, config, height_m=height_m, up=up, progress=progress)
+    from cellctl.validating.plan import (  # noqa: PLC0415 - heavy
+        plan_changing_over,
+        plan_taking_apart,
+        standing_cells,
+    )
+
+    if take_apart:
+        if standing is not None or input_kind(given) != "cells":
+            raise UsageError(
+                "--take-apart takes apart what INPUT says: the cells that stand, or the plan that "
+                "built them (.json).",
+                "Name such a file, without --standing.",
+            )
+        _refuse_misfit("cells", height_m, up)
+        return plan_taking_apart(Path(given).name, read_file(Path(given)), config)
+    assert standing is not None, "one of both is asked for"
+    stands = standing_cells(standing.name, read_file(standing), config)
+    wanted = make_plan(given, config, height_m=height_m, up=up, progress=progress)
+    return plan_changing_over(wanted, stands, config)
+
+
 def _refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:
     """Refuse options that the input has no use for, rather than overlook them."""
     if height_m is not None and not (math.isfinite(height_m) and height_m > 0.0):
@@ -156,19 +202,43 @@ def register(app: typer.Typer) -> None:
         policy: Annotated[
             PlanPolicy | None, typer.Option("--policy", help="By whose rules to plan.")
         ] = None,
+        standing: Annotated[
+            Path | None,
+            typer.Option(
+                "--standing", metavar="FILE", help="What stands (json) and is to become INPUT."
+            ),
+        ] = None,
+        take_apart: Annotated[
+            bool, typer.Option("--take-apart", help="INPUT (json) stands; plan to take it away.")
+        ] = False,
         config: ConfigOption = None,
     ) -> None:
         """Plan a wish without a cell, and show what was checked and changed."""
         settings = adjusted(configuration(config), budget_s, policy)
         outputs = Outputs(json=json, plan=plan_file, picture=picture, steps=steps)
         outputs.check()
-        asked = PlanInput(given=given, kind=input_kind(given), height_m=height_m, up=up)
+        asked = PlanInput(
+            given=given,
+            kind=input_kind(given),
+            height_m=height_m,
+            up=up,
+            standing=str(standing) if standing is not None else None,
+            take_apart=take_apart,
+        )
         screen = None if outputs.prints_json else report_console()
         aside = Console(stderr=True, highlight=False)
         began_s = time.monotonic()
         try:
             with PlanProgress(aside, "reading what is wanted") as progress:
-                made = make_plan(given, settings, height_m=height_m, up=up, progress=progress.stage)
+                made = make_change(
+                    given,
+                    settings,
+                    standing=standing,
+                    take_apart=take_apart,
+                    height_m=height_m,
+                    up=up,
+                    progress=progress.stage,
+                )
         except CellctlError as error:
             refusal = report_refusal(error, asked, settings, time.monotonic() - began_s)
             outputs.write_report(refusal)

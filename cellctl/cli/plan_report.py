@@ -47,6 +47,10 @@ class PlanInput(Described):
     """The height that was asked for beside it."""
     up: Literal["auto", "y", "z"] = "auto"
     """Which axis of a mesh was to point up."""
+    standing: str | None = None
+    """The file of what stands before, as it was typed; null where nothing does."""
+    take_apart: bool = False
+    """Whether the input is what stands, and is to be taken away."""
 
 
 class Placement(Described):
@@ -64,6 +68,9 @@ class Placement(Described):
     """Height of the tool's centre above the floor while the part crosses; null where unknown."""
     duration_s: float | None
     """Predicted time in the cell; null where unknown."""
+    peel: tuple[int, int] | None
+    """Of a removal: where the part's top is tilted to first, along x and y; null pulls it straight
+    up."""
 
 
 class Refused(Described):
@@ -235,6 +242,7 @@ def _placement(step: Step) -> Placement:
         margin=step.margin if needs else None,
         clearance_m=step.clearance_m,
         duration_s=step.duration_s,
+        peel=step.peel,
     )
 
 

@@ -181,7 +181,8 @@ def _amount(report: PlanReport) -> str:
     if not report.cells:
         return f"taken apart in {len(report.placements)} steps"
     size = " x ".join(f"{round(edge * 100, 1):g}" for edge in report.size_m)
-    parts = "1 part" if report.parts == 1 else f"{report.parts} parts"
+    count = len(report.cells)
+    parts = "1 part" if count == 1 else f"{count} parts"
     return f"{parts}, {size} cm"
 
 

@@ -10,11 +10,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from cellctl.assembling.route import RoutePlanner
 from cellctl.assembly import BuildPlan, Cell, Closeness, StepKind
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
 from cellctl.validating.access import Gripper
+from cellctl.validating.changing.plans import plan_change_over, plan_removal
 from cellctl.validating.discretise import discretise
 from cellctl.validating.draft import Draft, draft, paper_draft, paper_redraft, redraft
 from cellctl.validating.files import read_json_plan, read_mesh
@@ -165,6 +167,84 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
     )
     found = replace(found, changes=plan.changes, questions=plan.questions, closeness=plan.closeness)
     return site_here(found, config, plan.title, plan.provenance)
+
+
+def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPlan:
+    """Plan how what stands goes back to the belt, part by part.
+
+    Args:
+        name: of the file, for people.
+        content: the cells that stand, or the plan that built them (.json).
+        config: the cell.
+
+    Raises:
+        UsageError: the file is neither.
+        PlanError: there is no way in which every state on the way stands.
+    """
+    return plan_removal(standing_cells(name, content, config), config, title=Path(name).stem)
+
+
+def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> BuildPlan:
+    """Plan how what stands becomes the object of another plan, with as few moves as can be.
+
+    Args:
+        plan: of the object that is wanted, made for an empty workspace.
+        standing: what stands.
+        config: the cell.
+
+    Raises:
+        PlanError: there is no way in which every state on the way stands.
+    """
+    planner = RoutePlanner(config)
+
+    def reachable(cell: Cell) -> bool:
+        try:
+            planner.place_stance(cell)
+        except PlanError:
+            return False
+        return True
+
+    changed = plan_change_over(
+        standing,
+        frozenset(plan.assembly.cells),
+        config,
+        title=plan.title,
+        provenance=plan.provenance,
+        reachable=reachable,
+    )
+    return changed.model_copy(
+        update={
+            "changes": (*plan.changes, *changed.changes),
+            "questions": plan.questions,
+            "closeness": plan.closeness,
+        }
+    )
+
+
+def standing_cells(name: str, content: bytes, config: CellConfig) -> Cells:
+    """The cells of a file of cells, or those that a plan leaves.
+
+    Raises:
+        UsageError: it is neither.
+        PlanError: they are of another size, or outside the workspace.
+    """
+    found = read_json_plan(name, content)
+    assembly = found.assembly if isinstance(found, BuildPlan) else found
+    if abs(assembly.pitch_m - config.voxel.pitch_m) > 1e-6:
+        raise _other_pitch(name, assembly.pitch_m, config)
+    outside = [
+        cell
+        for cell in assembly.cells
+        if not all(0 <= index < room for index, room in zip(cell, config.grid, strict=True))
+    ]
+    if outside:
+        raise PlanError(
+            f"{name}: {list(outside[0])} is outside the workspace of {_times(config.grid)} cells.",
+            "Name what stands by its cells in the workspace.",
+            rule="workspace",
+            cells=tuple(outside),
+        )
+    return frozenset(assembly.cells)
 
 
 def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:

@@ -246,3 +246,46 @@ def test_every_shared_mesh_is_planned_or_refused(test_data: Path) -> None:
         height_m = None if height_cm is None else height_cm / 100.0
         plan = make_plan(str(path), SETTINGS, height_m=height_m, up=entry["up"])
         assert 0 < plan.parts <= SETTINGS.limits.inventory_parts
+
+
+def cells_file(path: Path, *cells: tuple[int, int, int]) -> str:
+    path.write_text(json.dumps({"cells": cells, "pitch_m": 0.1}))
+    return str(path)
+
+
+def test_what_stands_is_taken_apart_or_becomes_something_else(run: Run, tmp_path: Path) -> None:
+    post = cells_file(tmp_path / "post.json", (2, 2, 0), (2, 2, 1))
+    bench = cells_file(tmp_path / "bench.json", (0, 0, 0), (1, 0, 0))
+    report = tmp_path / "report.json"
+    status, out, err = run(post, "--take-apart", "--json", str(report))
+    assert (status, err) == (0, "")
+    assert "taken apart in 2 steps" in out
+    taken = reported(report)
+    assert [(step.kind, step.cell) for step in taken.placements] == [
+        ("remove", (2, 2, 1)),
+        ("remove", (2, 2, 0)),
+    ]
+    assert taken.cells == ()
+
+    status, out, err = run(bench, "--standing", post, "--json", str(report))
+    assert (status, err) == (0, "")
+    assert "1 of 2 parts stay; 2 moves instead of 4" in out
+    assert "2 parts, 20 x 10 x 10 cm" in out
+    changed = reported(report)
+    assert [step.kind for step in changed.placements] == ["remove", "place"]
+    assert (2, 2, 0) in changed.cells
+    assert len(changed.cells) == 2
+
+
+def test_what_stands_is_told_by_its_cells(run: Run, tmp_path: Path) -> None:
+    far = cells_file(tmp_path / "far.json", (9, 0, 0))
+    for arguments, said in (
+        (("a stool", "--take-apart"), "the cells that stand"),
+        ((far, "--take-apart"), "outside the workspace"),
+        (("a stool", "--standing", far), "outside the workspace"),
+        (("a stool", "--standing", str(tmp_path / "none.json")), "none.json"),
+        ((far, "--take-apart", "--standing", far), "without --standing"),
+    ):
+        status, _, err = run(*arguments)
+        assert status != 0
+        assert said in " ".join(err.split()), err

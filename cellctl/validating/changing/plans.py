@@ -125,6 +125,7 @@ def _plan(
             kind=move.kind,
             cell=move.cell,
             margin=None if math.isinf(move.margin) else round(move.margin, 4),
+            peel=move.removal.direction if move.removal is not None else None,
         )
         for index, move in enumerate(moves)
     )
