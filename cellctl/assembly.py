@@ -151,8 +151,8 @@ class Step(Value):
     """Predicted cell time of both movements, from where the part before was put (or home) by way
     of the pick station to this cell; without the latch's own time."""
     margin: float | None = None
-    """How many times stronger the magnets are than this step needs: with the structure after it, and
-    while its part is pressed in or comes off. None where it needs none; at least 1 holds."""
+    """How many times stronger the magnets are than this step needs, while its part is pressed in or
+    comes off and with the structure after it. None where it needs none; at least 1 holds."""
     peel: tuple[int, int] | None = None
     """Of a removal: where the part's top is tilted to first, along x and y, which is gentler; None
     pulls it straight up."""

@@ -113,7 +113,7 @@ def paper_draft(found: PaperPlan, physics: Physics) -> Draft:
     """A plan by the paper's rules, which ask for no margin; where it has none, one is asked."""
     verdicts = assess_order(found.order, physics)
     failed = [n for n, verdict in enumerate(verdicts) if verdict.margin < physics.least_margin]
-    questions = ()
+    questions: tuple[str, ...] = ()
     if failed:
         first = failed[0]
         questions = (
