@@ -115,11 +115,11 @@ def test_a_cantilever_of_three_holds_and_with_the_fourth_it_breaks_off(hand: Han
     assert hand.world.counts()[Where.FALLEN] == 4
 
 
-def test_a_lone_column_of_four_stands_and_the_fifth_part_pushes_it_over(hand: Hand) -> None:
-    for z in range(4):
+def test_a_lone_column_of_five_stands_and_the_sixth_part_pushes_it_over(hand: Hand) -> None:
+    for z in range(5):
         hand.place(2, 2, z)
     assert hand.world.violations == []
-    hand.place(2, 2, 4)
+    hand.place(2, 2, 5)
     assert {v.kind for v in hand.world.violations} == {ViolationKind.COLLAPSED}
     assert hand.world.violations[0].message == (
         "The part at cell (2, 2, 0) fell: the joint between the floor and cell (2, 2, 0) does not "
