@@ -1,0 +1,209 @@
+"""In which order the parts are placed.
+
+Layer by layer from the floor: the gripper never works beside or beneath a part that stands higher,
+and the arm crosses as low as it can. Within a layer several orders are tried (layer_orders.py), and
+each is proven part by part. Of those that hold, the one with the fewest parts that go between two
+others is taken, and of these the one with the largest margin. Where none holds, or all squeeze a
+part in, a search goes from part to part.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from cellctl.assembly import Cell
+from cellctl.errors import PlanError
+from cellctl.validating.access import Gripper
+from cellctl.validating.layer_orders import LayerOrder, layer_orders, tight_fits
+from cellctl.validating.layer_search import Search, search_layer
+from cellctl.validating.rules import Cells, pieces
+from cellctl.validating.stability import Physics, Verdict, assess
+from cellctl.validating.stability.growth import GOOD_MARGIN, Growth
+
+_TRIED = 4
+"""Most orders of one layer that are proven, of those that squeeze in the fewest parts, and again of
+those that reach out least, if none of the first holds."""
+_PROOFS = 100
+"""Parts placed on trial after which the best order that holds is good enough."""
+_SEARCH_TO_HOLD = Search(beam=2, branches=4, proofs=160)
+_SEARCH_TO_AVOID = Search(beam=1, branches=3, proofs=50)
+"""How hard an order is sought that holds, and one without tight fits where one with them holds."""
+
+
+_ADVICE = "Support these cells from beneath, let them reach out less far, or make them fewer."
+
+
+class Order(NamedTuple):
+    """An order that is proven to stand at every step."""
+
+    cells: tuple[Cell, ...]
+    verdicts: tuple[Verdict, ...]
+    """One a step: margins that are proven; ``assess_order`` gives the least of them exactly."""
+    tight: tuple[Cell, ...]
+    """The parts that go between two others."""
+
+    @property
+    def margin(self) -> float:
+        """The least of all steps; infinite without any."""
+        return min((verdict.margin for verdict in self.verdicts), default=math.inf)
+
+
+def order_cells(
+    cells: Cells, physics: Physics, gripper: Gripper, given: Cells = frozenset()
+) -> tuple[Cell, ...]:
+    """As ``find_order``, without the proof."""
+    return find_order(cells, physics, gripper, given).cells
+
+
+def find_order(
+    cells: Cells, physics: Physics, gripper: Gripper, given: Cells = frozenset()
+) -> Order:
+    """An order of all cells but those that stand, with the verdict of each step.
+
+    Args:
+        cells: what shall stand in the end.
+        physics: what holds it.
+        gripper: what comes down with each part.
+        given: what stands already.
+
+    Raises:
+        PlanError: no order was found in which every part is held by others, can be reached from
+            above and stands; the message names the rule and the cells.
+    """
+    final = assess(cells | given, physics)
+    if final.margin < physics.least_margin:
+        raise PlanError(
+            "It breaks the rule of stability: the finished object would not stand. "
+            f"{_lacking(final, physics)}",
+            _ADVICE,
+        )
+    growth = Growth(physics, given, thorough=False)
+    order: list[Cell] = []
+    verdicts: list[Verdict] = []
+    wanted = cells - given
+    for z in sorted({cell.z for cell in wanted}):
+        layer = frozenset(cell for cell in wanted if cell.z == z)
+        for piece in sorted(pieces(layer), key=min):
+            laid = _lay(piece, growth, gripper)
+            order += laid.cells
+            verdicts += laid.verdicts
+            growth = laid.growth
+    return Order(tuple(order), tuple(verdicts), tight_fits(order, given))
+
+
+class Laid(NamedTuple):
+    """A layer that was laid."""
+
+    cells: tuple[Cell, ...]
+    verdicts: tuple[Verdict, ...]
+    growth: Growth
+    tight: int
+    holds: bool
+    whole: LayerOrder
+    """The order that was to be laid."""
+
+    @property
+    def margin(self) -> float:
+        return min(verdict.margin for verdict in self.verdicts)
+
+
+def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
+    """The best order of a layer on what stands."""
+    standing = growth.cells
+    for cell in sorted(layer):
+        if blockers := gripper.blockers(cell, standing):
+            raise PlanError(
+                f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
+                f"{_named(blockers)}.",
+                "Take these away first.",
+            )
+    candidates = layer_orders(layer, standing)
+    if not candidates:
+        raise PlanError(
+            "It breaks the rule of access: no part of their layer or beneath carries some of "
+            f"{_named(sorted(layer))} when their turn comes.",
+            "Set something beneath them, or beside them in their layer.",
+        )
+    best = _best(candidates[:_TRIED], growth, None)
+    if not best.holds:
+        daring = candidates[_TRIED:]
+        careful = sorted(daring, key=lambda c: (c.reach, c.reach_sum, c.tight, c.cells))
+        best = _best(careful[:_TRIED], growth, best)
+    if not best.holds or best.tight:
+        effort = _SEARCH_TO_AVOID if best.holds else _SEARCH_TO_HOLD
+        found = search_layer(layer, growth, effort, avoid_tight=best.holds)
+        if found is not None:
+            return Laid(found.cells, found.verdicts, found.growth, found.tight, True, best.whole)
+    if not best.holds:
+        # What the quick proofs could not show is shown exactly, or refuted.
+        best = _prove(best.whole, growth.copy(thorough=True), None)
+    if not best.holds:
+        raise _refusal(best, growth, growth.physics)
+    return best
+
+
+def _best(candidates: list[LayerOrder], growth: Growth, best: Laid | None) -> Laid:
+    """The best of these and of one that is known."""
+    proofs = 0
+    for candidate in candidates:
+        enough = best is not None and (best.tight < candidate.tight or proofs >= _PROOFS)
+        if best is not None and best.holds and enough:
+            break
+        laid = _prove(candidate, growth, best)
+        proofs += len(laid.verdicts)
+        best = laid if best is None else max(best, laid, key=_worth)
+        if best.holds and best.margin >= min(GOOD_MARGIN, growth.worst_margin):
+            break
+    assert best is not None
+    return best
+
+
+def _worth(laid: Laid) -> tuple[bool, int, float]:
+    """What counts: that it holds, then that nothing is squeezed in, then the margin."""
+    return (laid.holds, -laid.tight, laid.margin)
+
+
+def _prove(candidate: LayerOrder, start: Growth, best: Laid | None) -> Laid:
+    """Lay a layer in an order; ends early where it fails, or is no better than another."""
+    growth = start.copy()
+    least = growth.physics.least_margin
+    verdicts = []
+    for cell in candidate.cells:
+        verdict = growth.place(cell)
+        verdicts.append(verdict)
+        if verdict.margin < least:
+            done = candidate.cells[: len(verdicts)]
+            return Laid(done, tuple(verdicts), growth, candidate.tight, False, candidate)
+        if best is not None and best.holds and verdict.margin <= best.margin:
+            break
+    whole = len(verdicts) == len(candidate.cells)
+    done = candidate.cells[: len(verdicts)]
+    return Laid(done, tuple(verdicts), growth, candidate.tight, whole, candidate)
+
+
+def _refusal(best: Laid, start: Growth, physics: Physics) -> PlanError:
+    """Which part fails in the best order that was tried, and why."""
+    verdict = assess(start.cells.union(best.cells), physics, best.cells[-1])
+    return PlanError(
+        "It breaks the rule of stability: no order was found in which every step stands. As the "
+        f"part at {list(best.cells[-1])} is placed: {_lacking(verdict, physics)}",
+        _ADVICE,
+    )
+
+
+def _lacking(verdict: Verdict, physics: Physics) -> str:
+    """What a state lacks, in words."""
+    named = _named(sorted(verdict.moving))
+    if verdict.weakest is None:
+        return f"nothing holds the cells {named}, however strong the magnets are."
+    factor = physics.least_margin / verdict.margin
+    return (
+        f"The joint {verdict.weakest.describe()} would have to be {factor:.2f} times as strong to "
+        f"hold the cells {named}."
+    )
+
+
+def _named(cells: tuple[Cell, ...] | list[Cell]) -> str:
+    shown = ", ".join(str(list(cell)) for cell in cells[:6])
+    return f"{shown} and {len(cells) - 6} more" if len(cells) > 6 else shown
