@@ -41,6 +41,8 @@ class Collapses(NamedTuple):
     margin: float
     joint: str
     """The weakest joint, in words."""
+    inevitable: bool = True
+    """Whether no other part of its layer could have been placed before."""
     hinge: Hinge | None = None
     """What each moving cell contributes, where they come off as one piece."""
 
@@ -95,7 +97,7 @@ class Mechanism:
             first=None if first is None else Cell(first.x - x0, first.y - y0, first.z),
             loads=_rounded(found.hinge, x0, y0),
             limit=0 if found.hinge is None else math.ceil(found.hinge.limit * _UNIT),
-            exact=not late,
+            exact=not late or found.inevitable,
         )
 
     def turned(self) -> tuple[Mechanism, ...]:

@@ -12,8 +12,9 @@ from cellctl.validating.rules import Cells, pieces
 _PLATE = 0.6
 """A layer that fills this part of the object's footprint, or more, is a plate."""
 
-_LEG = 0.3
-"""A part of the lowest layer that covers no more of the footprint than this is a leg."""
+_LEG = 0.5
+"""A part of the lowest layer that is one cell, or less than this of the footprint's edge, wide and
+deep is a leg; a longer one is a panel."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,17 @@ class Features:
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
         """What it stands on, from left to right; none if that is broad, or there is no more."""
-        area = self.size[0] * self.size[1]
         found = pieces(self.layer(0))
-        if self.size[2] == 1 or any(len(piece) > max(1.0, _LEG * area) for piece in found):
+        if self.size[2] == 1 or not all(map(self._slender, found)):
             return ()
         return tuple(sorted(map(self._leg, found), key=lambda leg: (leg.x, leg.y)))
+
+    def _slender(self, piece: Cells) -> bool:
+        for axis in range(2):
+            spread = max(cell[axis] for cell in piece) - min(cell[axis] for cell in piece) + 1
+            if spread > max(1.0, _LEG * self.size[axis]):
+                return False
+        return True
 
     def _leg(self, piece: Cells) -> Leg:
         return Leg(

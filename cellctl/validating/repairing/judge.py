@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 from cellctl.assembly import Cell
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.hinge import hinge
-from cellctl.validating.rules import Cells, supported
+from cellctl.validating.rules import Cells, lateral, supported
 from cellctl.validating.sequence import sequence
 from cellctl.validating.stability import Physics, Verdict, assess, assess_order
 
@@ -29,8 +30,43 @@ def judge(cells: Cells, physics: Physics) -> Stands | Collapses:
     verdicts = assess_order(order, physics)
     for number, verdict in enumerate(verdicts):
         if verdict.margin < physics.least_margin:
-            return _collapse(verdict, frozenset(order[: number + 1]), order[number], physics)
+            least = min((held.margin for held in verdicts[:number]), default=math.inf)
+            return _otherwise(order, number, physics, least)
     return Stands(order, min(verdict.margin for verdict in verdicts))
+
+
+def _otherwise(
+    order: tuple[Cell, ...], number: int, physics: Physics, margin: float
+) -> Stands | Collapses:
+    """From the first part of an order that does not hold on: whichever part holds, one by one.
+
+    Args:
+        order: all parts, layer by layer.
+        number: how many of it hold.
+        physics: what holds them.
+        margin: the least of these.
+    """
+    placed = list(order[:number])
+    left = list(order[number:])
+    while left:
+        standing = frozenset(placed)
+        layer = [cell for cell in left if cell.z == left[0].z]
+        failed: list[tuple[Verdict, Cell]] = []
+        for cell in layer:
+            if not supported(cell, standing) and standing.isdisjoint(lateral(cell)):
+                continue
+            verdict = assess(standing | {cell}, physics, cell)
+            if verdict.margin >= physics.least_margin:
+                margin = min(margin, verdict.margin)
+                placed.append(cell)
+                left.remove(cell)
+                break
+            failed.append((verdict, cell))
+        else:
+            verdict, cell = max(failed, key=lambda pair: pair[0].margin)
+            begun = any(one.z == cell.z for one in standing)
+            return _collapse(verdict, standing | {cell}, cell, physics, begun=begun)
+    return Stands(tuple(placed), margin)
 
 
 @lru_cache(maxsize=8)
@@ -63,14 +99,22 @@ def probed(physics: Physics) -> tuple[Mechanism, ...]:
     return tuple(found)
 
 
-def _collapse(verdict: Verdict, state: Cells, placed: Cell | None, physics: Physics) -> Collapses:
+def _collapse(
+    verdict: Verdict,
+    state: Cells,
+    placed: Cell | None,
+    physics: Physics,
+    *,
+    begun: bool = False,
+) -> Collapses:
     moving = verdict.moving or state
     resting = placed is not None and supported(placed, state)
     return Collapses(
-        moving,
-        state,
-        placed,
-        verdict.margin,
-        "" if verdict.weakest is None else verdict.weakest.describe(),
-        hinge(moving, state, placed, resting, physics),
+        moving=moving,
+        state=state,
+        placed=placed,
+        margin=verdict.margin,
+        joint="" if verdict.weakest is None else verdict.weakest.describe(),
+        inevitable=not begun,
+        hinge=hinge(moving, state, placed, resting, physics),
     )

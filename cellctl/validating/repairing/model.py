@@ -20,6 +20,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from cellctl.assembly import Cell
 from cellctl.validating.repairing.collapse import Mechanism
@@ -30,6 +31,8 @@ from cellctl.validating.rules import Cells, lateral, pieces
 if TYPE_CHECKING:
     from ortools.sat.python import cp_model
 
+Bools = npt.NDArray[np.bool_]
+
 SAME = 1e-5
 """Scores closer than this are equal."""
 
@@ -38,12 +41,19 @@ _SCALE = 100_000_000
 
 _SEED = 1
 
+_LEAST_COVERED = 2.0
+"""Volume and outlines each cover at least what is wanted."""
+
 
 class Effort(NamedTuple):
     """What the solver may spend on one call."""
 
     workers: int
     seconds: float
+    """Wall time, which the budget of a plan is in."""
+    steps: float
+    """The solver's deterministic time, about as many seconds. It is what ends a search that takes
+    too long, if there is no haste; so the outcome does not depend on the machine."""
 
 
 class Answer(NamedTuple):
@@ -55,6 +65,8 @@ class Answer(NamedTuple):
     """No object of this size has a higher score."""
     proven: bool
     """Whether the bound is the best one's score, or says that none beats it."""
+    steps: float
+    """What was spent, in deterministic time."""
 
 
 class Model:
@@ -82,6 +94,11 @@ class Model:
         self._volume = {
             cell: float(sum(terms.volume[c] for c in orbit)) for cell, orbit in self._orbits.items()
         }
+        # The whole box, and the whole of each of its sides.
+        self._most_covered = terms.cell * math.prod(self.size) + sum(
+            area * self.size[a] * self.size[b]
+            for area, (a, b) in zip(terms.pixels, VIEWS, strict=True)
+        )
         self._pixels: list[tuple[cp_model.IntVar, float, float]] = []
         self._holds: dict[tuple[Cell, Cells], cp_model.IntVar] = {}
         self._rests: dict[Cell, cp_model.IntVar] = {}
@@ -90,6 +107,7 @@ class Model:
         self._add_sides()
         self._add_access(reach)
         self._add_outlines()
+        self._add_rows()
 
     def _at(self, cell: Cell) -> cp_model.IntVar:
         return self._filled[self._of[cell]]
@@ -142,8 +160,8 @@ class Model:
                 entry = found.setdefault(frozenset(line), [0.0, 0.0])
                 entry[0] += float(outline[pixel])
                 entry[1] += area
-        for line, (shared, covered) in found.items():
-            behind = [self._filled[cell] for cell in sorted(line)]
+        for cells, (shared, covered) in found.items():
+            behind = [self._filled[cell] for cell in sorted(cells)]
             if len(behind) == 1:
                 seen = behind[0]
             else:
@@ -153,11 +171,49 @@ class Model:
                     self._model.add_implication(variable, seen)
             self._pixels.append((seen, shared, covered))
 
+    def _add_rows(self) -> None:
+        """What is an unbroken row of the wanted shape stays one: no holes and no notches.
+
+        Only cells that nobody sees, with wanted ones on all sides, may be left out between others.
+        """
+        wanted = self._terms.volume >= self._terms.cell / 2
+        inside = np.pad(wanted, 1)
+        hidden = wanted.copy()
+        for axis in range(3):
+            for step in (1, -1):
+                hidden &= np.roll(inside, step, axis)[1:-1, 1:-1, 1:-1]
+        found = set()
+        for axis in range(3):
+            for cell in self._of:
+                row = self._row(cell, axis, wanted)
+                for k in range(2, len(row)):
+                    for j in range(1, k):
+                        if not hidden[row[j]]:
+                            first, between, last = (self._of[row[i]] for i in (0, j, k))
+                            found.add((min(first, last), between, max(first, last)))
+        for first, between, last in sorted(found):
+            if between not in (first, last):
+                self._model.add_bool_or(
+                    self._filled[first].negated(),
+                    self._filled[between],
+                    self._filled[last].negated(),
+                )
+
+    def _row(self, cell: Cell, axis: int, wanted: Bools) -> list[Cell]:
+        """The wanted cells from one on along an axis, up to the first that is not wanted."""
+        row: list[Cell] = []
+        while cell in self._of and wanted[cell]:
+            row.append(cell)
+            place = list(cell)
+            place[axis] += 1
+            cell = Cell(*place)
+        return row
+
     def join(self, cells: Cells) -> None:
         """Demand of an object in several pieces, and of those like it, that they hang together."""
-        for piece in pieces(cells)[1:]:
-            border = {c for cell in piece for c in cell.neighbours() if c in self._of}
-            border -= piece
+        for piece in pieces(cells):
+            around = {c for cell in piece for c in cell.neighbours()}
+            border = {c for c in around if c in self._of and c not in piece}
             beyond = self._of.keys() - border - piece
             here, there = self._model.new_bool_var(""), self._model.new_bool_var("")
             for cell in sorted({self._of[c] for c in piece}):
@@ -178,18 +234,15 @@ class Model:
                 if loose & held or (loose, held, start) in seen:
                     continue
                 seen.add((loose, held, start))
-                unless: list[cp_model.LiteralT] = [
-                    self._holding(cell, place.moving) for cell in sorted(place.missing)
-                ]
-                if start is not None:
-                    unless.append(self._starts[start].negated())
+                helping = [self._holding(cell, place.moving) for cell in sorted(place.missing)]
+                first = [] if start is None else [self._starts[start]]
                 if place.loads:
                     self._model.add(
                         sum(load * self._at(cell) for cell, load in place.loads) <= place.limit
-                    ).only_enforce_if([literal.negated() for literal in unless])
+                    ).only_enforce_if([*(h.negated() for h in helping), *first])
                 else:
-                    unless += [self._filled[cell].negated() for cell in sorted(loose)]
-                    self._model.add_bool_or(unless)
+                    standing = [self._filled[cell] for cell in sorted(loose)] + first
+                    self._model.add_bool_or([*helping, *(v.negated() for v in standing)])
 
     def _holding(self, cell: Cell, moving: Cells) -> cp_model.IntVar:
         """Whether a cell beside moving ones is there and holds them.
@@ -230,7 +283,7 @@ class Model:
         )
 
     def beat(self, score: float, effort: Effort, *, required: bool) -> Answer:
-        """The object with the most shared beyond ``score`` times what is covered.
+        """The object that beats a score most: shared volume and outlines beyond what it asks for.
 
         Args:
             score: to be beaten; the answer is the best of all if its own score equals it.
@@ -240,11 +293,12 @@ class Model:
         from ortools.sat.python import cp_model  # noqa: PLC0415 - heavy
 
         model = self._model.clone()
+        ratio = score / self._terms.agreement
         coefficients: dict[int, int] = {}
         variables: dict[int, cp_model.IntVar] = {}
 
         def count(variable: cp_model.IntVar, shared: float, covered: float) -> None:
-            value = round(_SCALE * (shared - score * (covered - shared)))
+            value = round(_SCALE * (shared - ratio * (covered - shared)))
             coefficients[variable.index] = coefficients.get(variable.index, 0) + value
             variables[variable.index] = variable
 
@@ -252,7 +306,7 @@ class Model:
             count(variable, self._volume[cell], self._terms.cell * len(self._orbits[cell]))
         for variable, shared, covered in self._pixels:
             count(variable, shared, covered)
-        constant = round(_SCALE * self._constant(score))
+        constant = round(_SCALE * -2.0 * ratio)
         objective = sum(coefficients[i] * variables[i] for i in coefficients) + constant
         if required:
             # Far more than rounding can add up to, and as little as makes a difference.
@@ -266,15 +320,19 @@ class Model:
         solver.parameters.num_workers = effort.workers
         solver.parameters.random_seed = _SEED
         solver.parameters.max_time_in_seconds = max(effort.seconds, 0.01)
+        solver.parameters.max_deterministic_time = effort.steps
+        # Outlines are tight as linear constraints: proofs are ten times faster than without.
+        solver.parameters.linearization_level = 2
         status = solver.solve(model)
+        spent = float(solver.response_proto.deterministic_time)
         if status == cp_model.INFEASIBLE:
-            return Answer(frozenset(), score if required else 0.0, proven=True)
-        # At least 3 is covered (each of three measures covers what is wanted), which turns what is
-        # shared beyond the score into score.
+            return Answer(frozenset(), score if required else 0.0, proven=True, steps=spent)
+        # What is shared beyond the ratio, over all that is covered, is ratio beyond it.
         over = solver.best_objective_bound / _SCALE
-        bound = min(1.0, score + max(over, 0.0) / 3.0) if math.isfinite(over) else 1.0
+        over /= _LEAST_COVERED if over > 0.0 else self._most_covered
+        bound = self._terms.agreement * (ratio + over) if math.isfinite(over) else 1.0
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            return Answer(frozenset(), bound, proven=False)
+            return Answer(frozenset(), bound, proven=False, steps=spent)
         cells = frozenset(
             cell
             for first, variable in self._filled.items()
@@ -282,12 +340,7 @@ class Model:
             for cell in self._orbits[first]
         )
         self._hint = cells
-        return Answer(cells, bound, proven=status == cp_model.OPTIMAL)
-
-    def _constant(self, score: float) -> float:
-        """What the size alone shares beyond ``score`` times what is covered."""
-        extents = self._terms.extents
-        return extents.shared - score * (extents.covered + 2.0)
+        return Answer(cells, bound, proven=status == cp_model.OPTIMAL, steps=spent)
 
 
 def relaxed_bound(terms: Terms, parts: int) -> float:
@@ -298,13 +351,12 @@ def relaxed_bound(terms: Terms, parts: int) -> float:
     volume = np.sort(terms.volume, axis=None)[::-1][:parts]
     pixels: list[Floats] = [np.sort(o, axis=None)[::-1][:parts] for o in terms.outlines]
     low, high = 0.0, 1.0
-    extents = terms.extents
     # The best score is where shared - score * covered has its root; 20 halvings are a millionth.
     for _ in range(20):
-        score = (low + high) / 2
-        beyond = extents.shared - score * (extents.covered + 2.0)
+        ratio = (low + high) / 2
+        beyond = -2.0 * ratio
         for shared, covered in ((volume, terms.cell), *zip(pixels, terms.pixels, strict=True)):
-            gain = shared * (1.0 + score) - score * covered
+            gain = shared * (1.0 + ratio) - ratio * covered
             beyond += float(gain[gain > 0].sum())
-        low, high = (score, high) if beyond > 0 else (low, score)
-    return high
+        low, high = (ratio, high) if beyond > 0 else (low, ratio)
+    return terms.agreement * high

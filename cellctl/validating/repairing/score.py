@@ -1,19 +1,17 @@
 """How much of a wanted shape is kept: one number from 0 to 1, the same for every policy.
 
-Both shapes are stretched into the same unit box. Then three things are compared, each by what the
-two share and what they cover together, as a part of what was wanted:
+Both shapes are stretched into the same unit box, and compared there by the volume that they fill
+and by their outlines from the front, the side and above: what the two share over what they cover
+together. That is a Jaccard index of one weighted measure, and linear-fractional in the cells, so
+that an exact solver can prove the best one. What the stretching hides, the size, is a factor of its
+own: how far the two boxes agree, as the mean ratio of their edges.
 
-- the volume: cells that both fill;
-- the outlines seen from the front, the side and above, a third each;
-- the size: how far width, depth and height of the two boxes agree, a third each.
-
-The likeness is everything shared over everything covered. That is a Jaccard index of one weighted
-measure: one minus it is a metric, identical shapes have 1, and an exact solver can prove the best
-one (it is linear-fractional in the cells).
+Identical shapes have 1.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -28,10 +26,10 @@ Floats = npt.NDArray[np.float64]
 Size = tuple[int, int, int]
 
 FORMULA = (
-    "likeness = (V+ + P+ + E+) / (V* + P* + E*); "
-    "V: volume shared (+) or covered (*) over volume wanted, both stretched to one box; "
-    "P: the same of the outlines from the front, the side and above, averaged; "
-    "E: the smaller (+) or larger (*) over the wanted width, depth and height, averaged"
+    "likeness = G * (V+ + P+) / (V* + P*); "
+    "G: the mean ratio of the boxes' edges, smaller over larger (geometric mean); "
+    "V: volume shared (+) or covered (*) over the volume wanted, both stretched to one box; "
+    "P: the same of the outlines from the front, the side and above, averaged"
 )
 """For reports, beside the figures."""
 
@@ -51,12 +49,14 @@ class Likeness(NamedTuple):
 
     volume: Part
     outlines: Part
-    size: Part
+    size: float
+    """The mean ratio of the boxes' edges."""
 
     @property
     def score(self) -> float:
         """0 to 1; see ``FORMULA``."""
-        return sum(part.shared for part in self) / sum(part.covered for part in self)
+        shared = self.volume.shared + self.outlines.shared
+        return self.size * shared / (self.volume.covered + self.outlines.covered)
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ class Terms:
     """Of each view: the part of a third of the wanted outline that lies in each pixel."""
     pixels: tuple[float, float, float]
     """The area of a pixel of each view, likewise."""
-    extents: Part
-    """Of the size alone."""
+    agreement: float
+    """Of the sizes: the mean ratio of the boxes' edges."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,11 @@ class Wanted:
         volume = self.filled
         for axis, matrix in enumerate(spread):
             volume = np.moveaxis(np.tensordot(volume, matrix, axes=(axis, 0)), -1, axis)
-        total = self.filled.mean()
+        total = float(self.filled.mean())
         outlines = []
         pixels = []
         for view, (a, b) in zip(self.views, VIEWS, strict=True):
-            share = 3.0 * view.mean()
+            share = 3.0 * float(view.mean())
             outlines.append(spread[a].T @ view @ spread[b] / share)
             pixels.append(1.0 / (size[a] * size[b]) / share)
         return Terms(
@@ -122,7 +122,7 @@ class Wanted:
             cell=1.0 / float(np.prod(size)) / total,
             outlines=(outlines[0], outlines[1], outlines[2]),
             pixels=(pixels[0], pixels[1], pixels[2]),
-            extents=_extents(self.size, size),
+            agreement=_agreement(self.size, size),
         )
 
     def likeness(self, cells: Cells) -> Likeness:
@@ -138,11 +138,11 @@ class Wanted:
         volume = Part(shared, 1.0 + terms.cell * len(cells) - shared)
         seen = sum(float((t * v).sum()) for t, v in zip(terms.outlines, other.views, strict=True))
         area = sum(p * float(v.sum()) for p, v in zip(terms.pixels, other.views, strict=True))
-        return Likeness(volume, Part(seen, 1.0 + area - seen), terms.extents)
+        return Likeness(volume, Part(seen, 1.0 + area - seen), terms.agreement)
 
     def score(self, cells: Cells) -> float:
         """``likeness(cells).score``, and 0 where there are no cells."""
-        return self.likeness(cells).score if cells else 0.0
+        return float(self.likeness(cells).score) if cells else 0.0
 
 
 def grid_of(cells: Cells, size: Size) -> Floats:
@@ -160,9 +160,6 @@ def _overlaps(old: int, new: int) -> Floats:
     return shared
 
 
-def _extents(wanted: Size, size: Size) -> Part:
-    pairs = list(zip(wanted, size, strict=True))
-    return Part(
-        sum(min(old, new) / old for old, new in pairs) / 3.0,
-        sum(max(old, new) / old for old, new in pairs) / 3.0,
-    )
+def _agreement(wanted: Size, size: Size) -> float:
+    ratios = [min(old, new) / max(old, new) for old, new in zip(wanted, size, strict=True)]
+    return math.prod(ratios) ** (1.0 / 3.0)

@@ -9,7 +9,6 @@ anew. So few sizes are solved and very few objects judged, which is what costs t
 
 from __future__ import annotations
 
-import heapq
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,11 +22,28 @@ from cellctl.validating.rules import Cells, pieces
 Judge = Callable[[Cells], Stands | Collapses]
 """Whether connected cells that are accessible from above stand at every step of some order."""
 
+_LEAST_STEPS = 0.05
+"""A call with less is not worth making."""
+
+_GUESS = 0.8
+"""How much of a bound is tried first. Too much asks for an object of few cells that costs little,
+which is hard to find and of no use; too little costs a round."""
+
+_SAFE_SIZES = 3
+"""How many sizes are tried for an object that surely stands."""
+
 _MOST_ROUNDS = 60
 """Most times that one size is solved; beyond it keeps its bound and is set aside."""
 
 _FOR_SAFETY = 0.35
 """The part of the budget that is kept for an object that surely stands."""
+
+_STEPS = 0.1
+"""The part of the budget that the solver may spend in its own deterministic time: so little that
+wall time hardly ever ends a search, and its outcome does not depend on the machine."""
+
+_STEPS_AT_ONCE = 0.3
+"""The part of that for one call, lest one size takes everything."""
 
 
 @dataclass(frozen=True)
@@ -73,13 +89,8 @@ class _Candidate:
     learnt: int = 0
     """How many of the mechanisms the model knows."""
     rounds: int = 0
-
-    def entry(self) -> _Entry:
-        """In the queue: the highest bound first; of equal ones, an object that is to be judged."""
-        return (-self.bound, 0 if self.cells else 1, self.size, self)
-
-
-_Entry = tuple[float, int, Size, _Candidate]
+    exhausted: bool = False
+    """Whether the solver could not settle it with the effort that is due; it keeps its bound."""
 
 
 @dataclass
@@ -121,34 +132,50 @@ class _Search:
         now_s = time.monotonic()
         self._end_s = now_s + budget_s
         self._improve_until_s = now_s + budget_s * (1.0 - _FOR_SAFETY)
+        self._steps = self._most_steps = budget_s * _STEPS
         self._kept = symmetries(wanted.cells, wanted.size)
         self._state = _State(mechanisms=[t for m in rules.known for t in m.turned()])
         self._aside: list[_Candidate] = []
 
     def run(self, fallback: Cells) -> Found:
         state = self._state
-        queue = [
-            _Candidate(size, bound).entry()
+        bounds = {
+            size: relaxed_bound(self._wanted.terms(size), self._rules.parts)
             for size in self._sizes()
-            for bound in (relaxed_bound(self._wanted.terms(size), self._rules.parts),)
-        ]
-        heapq.heapify(queue)
-        while queue and time.monotonic() < self._improve_until_s:
-            *_, candidate = heapq.heappop(queue)
-            if candidate.bound <= state.score + SAME:
-                heapq.heappush(queue, candidate.entry())
-                break
-            self._work_on(candidate, queue)
-            if candidate.rounds >= _MOST_ROUNDS:
-                self._aside.append(candidate)
+        }
+        candidates = [_Candidate(size, bound) for size, bound in sorted(bounds.items())]
+        while time.monotonic() < self._improve_until_s:
+            lead = max(candidates, key=self._known_score)
+            known = self._known_score(lead)
+            top = max(
+                (candidate for candidate in candidates if not candidate.exhausted),
+                key=lambda candidate: candidate.bound,
+                default=None,
+            )
+            if top is not None and self._steps <= 0.0:
+                top = None
+            if top is not None and top.bound > max(known, state.score) + SAME:
+                self._solve(top, max(known, state.score), self._improve_until_s)
+            elif known > state.score + SAME:
+                self._judge(lead)
             else:
-                heapq.heappush(queue, candidate.entry())
-        left = [entry[3] for entry in queue] + self._aside
-        bound = max([state.score, state.doubted, *(candidate.bound for candidate in left)])
+                break
+        bound = max([state.score, state.doubted, *(c.bound for c in candidates)])
         if state.score < bound - SAME:
-            self._safely(left, fallback)
-            bound = max(bound, state.score)
-        return Found(state.best, state.score, bound, state.stands, tuple(state.collapses))
+            self._safely(candidates, fallback)
+        return Found(
+            state.best,
+            state.score,
+            max(bound, state.score),
+            state.stands,
+            tuple(state.collapses),
+        )
+
+    def _known_score(self, candidate: _Candidate) -> float:
+        """Of its best object that is still to be judged; 0 if it is not known any more."""
+        if candidate.learnt < len(self._state.mechanisms):
+            return 0.0
+        return self._wanted.score(candidate.cells)
 
     def _sizes(self) -> list[Size]:
         """Those of the wanted size or less that keep its symmetry and are within the grid."""
@@ -161,18 +188,6 @@ class _Search:
             for nz in range(1, most[2] + 1)
             if not square or nx == ny
         ]
-
-    def _work_on(self, candidate: _Candidate, queue: list[_Entry]) -> None:
-        """Judge the best object of a size, or find it."""
-        state = self._state
-        if candidate.cells and candidate.learnt == len(state.mechanisms):
-            self._judge(candidate)
-            return
-        target = state.score
-        for *_, other in queue:
-            if other.cells:
-                target = max(target, self._wanted.score(other.cells))
-        self._solve(candidate, min(target, candidate.bound), self._improve_until_s)
 
     def _judge(self, candidate: _Candidate) -> None:
         state = self._state
@@ -191,6 +206,7 @@ class _Search:
             # Whatever was learnt, the same object must not come again.
             candidate.model.exclude(candidate.cells)
         candidate.cells = frozenset()
+        candidate.exhausted = candidate.rounds >= _MOST_ROUNDS
 
     def _solve(self, candidate: _Candidate, target: float, until_s: float) -> None:
         """Raise the score of the best known object of a size until none is better.
@@ -201,23 +217,32 @@ class _Search:
         model = self._model(candidate)
         candidate.cells = frozenset()
         required = target > 0.0
-        score = target if required else candidate.bound * 0.9
+        score = min(target, candidate.bound) if required else candidate.bound * _GUESS
         while candidate.rounds < _MOST_ROUNDS:
             left_s = until_s - time.monotonic()
             if left_s <= 0.0:
                 return
             candidate.rounds += 1
-            answer = model.beat(score, Effort(self._workers, left_s), required=required)
+            steps = max(min(self._steps, self._most_steps * _STEPS_AT_ONCE), _LEAST_STEPS)
+            effort = Effort(self._workers, left_s, steps)
+            answer = model.beat(score, effort, required=required)
+            self._steps -= answer.steps
+            candidate.bound = min(candidate.bound, answer.bound)
             if not answer.cells:
-                candidate.bound = min(candidate.bound, answer.bound)
+                candidate.exhausted = not answer.proven
                 return
             if len(pieces(answer.cells)) > 1:
                 model.join(answer.cells)
+                if not required:
+                    score *= _GUESS
                 continue
             candidate.cells = answer.cells
-            candidate.bound = min(candidate.bound, answer.bound)
             score = self._wanted.score(answer.cells)
             required = True
+            if not answer.proven:
+                candidate.exhausted = True
+                return
+        candidate.exhausted = True
 
     def _model(self, candidate: _Candidate) -> Model:
         mechanisms = self._state.mechanisms
@@ -243,20 +268,24 @@ class _Search:
             if isinstance(verdict, Stands):
                 state.best, state.stands = fallback, verdict
                 state.score = self._wanted.score(fallback)
-        for candidate in sorted(left, key=lambda c: (-c.bound, c.size)):
-            if state.best or time.monotonic() > self._end_s:
+        for candidate in sorted(left, key=lambda c: (-c.bound, c.size))[:_SAFE_SIZES]:
+            if state.score >= candidate.bound or time.monotonic() > self._end_s:
                 return
-            resting = _Candidate(candidate.size, candidate.bound)
-            resting.model = Model(
-                self._wanted.terms(candidate.size),
-                self._rules.parts,
-                0,
-                self._kept_in(candidate.size),
-            )
-            while resting.rounds < _MOST_ROUNDS and time.monotonic() < self._end_s:
-                self._solve(resting, 0.0, self._end_s)
-                if not resting.cells:
-                    break
-                self._judge(resting)
-                if state.best:
-                    return
+            self._rest(candidate)
+
+    def _rest(self, candidate: _Candidate) -> None:
+        """Find an object of a size all of whose parts rest on parts below, and that stands."""
+        resting = _Candidate(candidate.size, candidate.bound)
+        resting.model = Model(
+            self._wanted.terms(candidate.size),
+            self._rules.parts,
+            0,
+            self._kept_in(candidate.size),
+        )
+        while resting.rounds < _MOST_ROUNDS and time.monotonic() < self._end_s:
+            self._solve(resting, self._state.score, self._end_s)
+            if not resting.cells:
+                return
+            self._judge(resting)
+            if resting.cells:
+                return

@@ -38,16 +38,18 @@ def describe(wanted: Wanted, built: Cells, why: tuple[Reason, ...]) -> tuple[Cha
     reason = {found.rule: found.words for found in why}
     broken = [rule for rule in _LOSSES if rule in reason] or list(reason)
     lost, gained = reason[broken[0]], reason[broken[-1]]
+    terms = wanted.terms(new.size)
+    # The wanted shape at the new size: what differs from it is more than the size.
+    resized = Features(
+        frozenset(Cell(*cell) for cell in np.argwhere(terms.volume >= terms.cell / 2).tolist()),
+        new.size,
+    )
     changes = []
     if sentence := _size(before, after):
         changes.append(Change(what=sentence, why=lost))
-    for sentence, less in (*_legs(before, after), *_plates(before, after)):
+    for sentence, less in (*_legs(before, after), *_plates(resized, after)):
         changes.append(Change(what=sentence, why=lost if less else gained))
-    terms = wanted.terms(new.size)
-    expected = frozenset(
-        Cell(*cell) for cell in np.argwhere(terms.volume >= terms.cell / 2).tolist()
-    )
-    missing, new_cells = expected - built, built - expected
+    missing, new_cells = resized.cells - built, built - resized.cells
     changes += [Change(what=said, why=lost) for said in _places(missing, after, "left out")]
     changes += [Change(what=said, why=gained) for said in _places(new_cells, after, "added")]
     return tuple(changes) or (Change(what="Some parts are elsewhere.", why=gained),)
@@ -82,8 +84,11 @@ def _legs(before: Features, after: Features) -> list[tuple[str, bool]]:
     for one, other in _paired(old, new):
         if way := _way(one, other, after):
             moves[way] += 1
-        thinner += other.area < one.area
-        thicker += other.area > one.area
+        expected = float(one.area)
+        for axis in range(2):
+            expected *= after.size[axis] / before.size[axis]
+        thinner += other.area < max(expected, 1.0) - 0.75
+        thicker += other.area > max(expected, 1.0) + 0.75
     found = [(f"{_of_legs(count, len(old))} moved {way}.", False) for way, count in moves.items()]
     if thinner:
         found.append((f"{_of_legs(thinner, len(old))} became thinner.", True))
@@ -112,19 +117,16 @@ def _way(old: Leg, new: Leg, after: Features) -> str:
 
 
 def _plates(before: Features, after: Features) -> list[tuple[str, bool]]:
-    """What became of the tiers and of the top."""
+    """What became of the tiers and of the top, at the same size."""
+    if not before.layer(before.size[2] - 1):
+        return []
     found = []
     old, new = len(before.plates), len(after.plates)
     if old != new and max(old, new) > 1 and after.size[2] > 1:
         tiers = "tier" if new == 1 else "tiers"
         found.append((f"It has {number(new)} {tiers} instead of {number(old)}.", new < old))
     for axis in range(2):
-        edge = before.top[axis]
-        if edge == before.size[axis]:
-            expected = after.size[axis]
-        else:
-            expected = max(1, round(edge * after.size[axis] / before.size[axis]))
-        change = after.top[axis] - expected
+        change = after.top[axis] - before.top[axis]
         if change:
             way = _AXES[axis][0] if change > 0 else _AXES[axis][1]
             found.append((f"Its top is {_parts(abs(change))} {way}.", change < 0))
