@@ -27,7 +27,7 @@ from cellctl.validating.files import load_mesh
 from cellctl.validating.fit import TOLERANCE_M, Shape
 from cellctl.validating.orientation import Floats, Ints
 
-Index = tuple[int, int, int]
+Index = tuple[int, ...]
 Method = Callable[[Floats, Ints], set[Index]]
 
 PITCH_M = 0.1
@@ -65,6 +65,32 @@ def ball_case(radius: float, triangles: int) -> Case:
             exact.add(index)
     vertices = np.asarray(ball.vertices) - ball.bounds[0]
     return Case("ball", vertices, np.asarray(ball.faces, dtype=np.int64), exact)
+
+
+def tilted_cases(count: int, triangles: int) -> list[Case]:
+    """Boxes in any attitude; a cell and a box meet unless one of 15 axes separates them."""
+    rng = np.random.default_rng(1)
+    found = []
+    for number in range(count):
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        half = rng.uniform(0.1, 1.8, 3)
+        centre = np.abs(turn) @ half
+        vertices, faces = mesh_of((Box(0, 0, 0, *(2 * half).tolist()),), 1.0)
+        vertices, faces = finer((vertices - half) @ turn.T + centre, faces, triangles)
+        if np.linalg.det(turn) < 0:
+            faces = faces[:, ::-1]
+        across = [np.cross(np.eye(3)[i], turn[:, j]) for i in range(3) for j in range(3)]
+        axes = np.concatenate([np.eye(3), turn.T, across])
+        reach = np.abs(axes @ turn) @ half + np.abs(axes).sum(axis=1) * (
+            0.5 - TOLERANCE_M / PITCH_M
+        )
+        exact = {
+            index
+            for index in np.ndindex(*np.ceil(2 * centre).astype(int).tolist())
+            if np.all(np.abs(axes @ (np.array(index) + 0.5 - centre)) <= reach)
+        }
+        found.append(Case(f"tilted box {number + 1}", vertices, faces, exact))
+    return found
 
 
 def finer(vertices: Floats, faces: Ints, triangles: int) -> tuple[Floats, Ints]:
@@ -153,13 +179,24 @@ def main() -> int:
         for case in cases(triangles):
             for name, method in methods.items():
                 line(case, name, *measure(method, case, arguments.repeats))
+    tilted = tilted_cases(12, 20_000)
+    for name, method in methods.items():
+        rows = [(case, *measure(method, case, 1)) for case in tilted]
+        together = Case(
+            "12 tilted boxes",
+            np.zeros((0, 3)),
+            np.concatenate([case.faces for case in tilted]),
+            {(n, *cell) for n, case in enumerate(tilted) for cell in case.exact},
+        )
+        found = {(n, *cell) for n, (_, _, _, cells) in enumerate(rows) for cell in cells}
+        line(together, name, sum(row[1] for row in rows), sum(row[2] for row in rows), found)
     for path in arguments.meshes:
         mesh = load_mesh(path)
         vertices: npt.NDArray[np.float64] = mesh.vertices - np.nanmin(mesh.vertices, axis=0)
         vertices *= 6.0 / np.nanmax(vertices)
         case = Case(path.stem[:20], vertices, mesh.faces, set())
-        wall_s, cpu_s, found = measure(ours, case, arguments.repeats)
-        line(case, f"cellctl: {len(found)} cells", wall_s, cpu_s, None)
+        wall_s, cpu_s, cells = measure(ours, case, arguments.repeats)
+        line(case, f"cellctl: {len(cells)} cells", wall_s, cpu_s, None)
     return 0
 
 

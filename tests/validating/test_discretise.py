@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cellctl.assembly import Cell
+from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
-from cellctl.validating.clean import Surface, clean
-from cellctl.validating.discretise import discretise
-from cellctl.validating.fit import Shape
+from cellctl.mesh import GeneratedMesh
+from cellctl.validating.clean import MOST_TRIANGLES, Surface, clean
+from cellctl.validating.discretise import discretise, voxelise
+from cellctl.validating.files import load_mesh
+from cellctl.validating.fit import Shape, fit
 from cellctl.validating.orientation import Floats, Ints, oriented
 from cellctl.validating.winding import winding_numbers
-from tests.validating.shapes import cells_of, shape
+from tests.validating.shapes import CONFIG, cells_of, shape
 
 whole_boxes = st.lists(
     st.builds(
@@ -28,8 +36,8 @@ whole_boxes = st.lists(
 )
 
 
-def at_origin(surface: Surface) -> Shape:
-    return Shape(Surface(surface.vertices - surface.vertices.min(axis=0), surface.faces))
+def at_origin(surface: Surface, pitch_m: float = 0.1) -> Shape:
+    return Shape(Surface(surface.vertices - surface.vertices.min(axis=0), surface.faces), pitch_m)
 
 
 def sphere(radius: float, rings: int = 24) -> Surface:
@@ -96,6 +104,15 @@ def spoil(kind: str, surface: Surface, rng: np.random.Generator) -> tuple[Floats
         faces = faces[:, ::-1]
     elif kind == "holes":
         faces = faces[rng.random(len(faces)) > 0.05]
+    elif kind == "half flipped, holes, soup":
+        vertices, faces = spoil("holes", surface, rng)
+        some = rng.random(len(faces)) < 0.5
+        faces[some] = faces[some][:, ::-1]
+        return spoil("soup", Surface(vertices, faces), rng)
+    elif kind == "copied":
+        faces = np.concatenate([faces, faces])
+    elif kind == "double-sided in part":
+        faces = np.concatenate([faces, faces[: len(faces) // 5, ::-1]])
     elif kind == "doubled":
         faces = np.concatenate([faces, faces[:, ::-1]])
     elif kind == "not finite":
@@ -106,13 +123,65 @@ def spoil(kind: str, surface: Surface, rng: np.random.Generator) -> tuple[Floats
     return vertices, faces
 
 
-@pytest.mark.parametrize(
-    "kind", ["soup", "flipped", "inside out", "holes", "doubled", "not finite", "degenerate"]
+SPOILT = (
+    "soup",
+    "flipped",
+    "inside out",
+    "holes",
+    "half flipped, holes, soup",
+    "copied",
+    "doubled",
+    "double-sided in part",
+    "not finite",
+    "degenerate",
 )
-def test_a_spoilt_mesh_fills_the_same_cells(kind: str) -> None:
+
+
+@pytest.mark.parametrize("kind", SPOILT)
+@pytest.mark.parametrize("pitch_m", [0.1, 0.05])
+def test_a_spoilt_mesh_fills_the_same_cells(kind: str, pitch_m: float) -> None:
     good = sphere(2.5)
     spoilt = clean(*spoil(kind, good, np.random.default_rng(7)))
-    assert discretise(at_origin(spoilt)) == discretise(at_origin(good))
+    found, expected = voxelise(at_origin(spoilt, pitch_m)), voxelise(at_origin(good, pitch_m))
+    assert found.cells == expected.cells
+    solid = sum(expected.fill.values())
+    assert sum(found.fill.values()) == pytest.approx(solid, rel=0.06 if "holes" in kind else 1e-3)
+
+
+def fitted(test_data: Path, pitch_m: float) -> Iterator[tuple[GeneratedMesh, CellConfig]]:
+    """The evaluation meshes, as high as they should be, and a cell of that pitch."""
+    voxel = CONFIG.voxel.model_copy(update={"pitch_m": pitch_m})
+    folder = test_data / "meshes"
+    for entry in json.loads((folder / "manifest.json").read_text()):
+        height_cm = entry.get("suggested_height_cm")
+        mesh = load_mesh(folder / entry["file"], height_m=height_cm / 100 if height_cm else None)
+        yield mesh, CONFIG.model_copy(update={"voxel": voxel})
+
+
+@pytest.mark.parametrize("pitch_m", [0.1, 0.05])
+def test_meshes_of_generators_fit_the_workspace(test_data: Path, pitch_m: float) -> None:
+    for mesh, config in fitted(test_data, pitch_m):
+        found = voxelise(fit(mesh, config).shape)
+        size = np.max(list(found.cells), axis=0) + 1
+        assert np.all(size <= config.grid)
+        assert np.any(size == config.grid)
+        assert min(found.fill.values()) > 0.0
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("pitch_m", [0.1, 0.05])
+def test_meshes_of_generators_become_the_same_cells_when_spoilt(
+    test_data: Path, pitch_m: float
+) -> None:
+    rng = np.random.default_rng(11)
+    for mesh, config in fitted(test_data, pitch_m):
+        found = voxelise(fit(mesh, config).shape)
+        for kind in ("soup", "flipped", "inside out", "copied", "doubled", "double-sided in part"):
+            vertices, faces = spoil(kind, Surface(mesh.vertices, mesh.faces), rng)
+            spoilt = dataclasses.replace(mesh, vertices=vertices, faces=faces)
+            cells = voxelise(fit(spoilt, config).shape).cells
+            assert cells == found.cells, (mesh.title, kind)
 
 
 def test_many_small_triangles_are_summed_as_well_as_one_by_one() -> None:
@@ -152,8 +221,20 @@ def test_an_open_sheet_on_a_cell_plane_is_not_lost() -> None:
         (np.full((3, 3), np.nan), np.array([[0, 1, 2]]), "no face of its mesh has finite"),
         (np.ones((3, 3)), np.array([[0, 1, 2]]), "single point"),
         (np.eye(3), np.array([[0, 0, 1]]), "point or line"),
+        (
+            np.eye(3) * 1e12,
+            np.array([[0, 1, 2]]),
+            "absurdly large: its mesh has a coord",
+        ),
+        (np.eye(3), np.array([[0, 1, 7], [-1, 0, 1]]), "no face of its mesh has finite"),
     ],
 )
 def test_a_mesh_with_nothing_in_it_is_refused(vertices: Floats, faces: Floats, said: str) -> None:
     with pytest.raises(PlanError, match=said):
         clean(vertices, faces.astype(np.int64))
+
+
+def test_a_mesh_of_too_many_triangles_is_refused() -> None:
+    faces = np.zeros((MOST_TRIANGLES + 1, 3), dtype=np.int64)
+    with pytest.raises(PlanError, match="5000001 triangles; at most 5000000"):
+        clean(np.eye(3), faces)

@@ -7,7 +7,7 @@ import pytest
 
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
-from cellctl.validating.fit import fit, size_changes, size_questions
+from cellctl.validating.fit import TOLERANCE_M, fit, size_changes, size_questions
 from tests.validating.shapes import CONFIG, generated, of_arrays
 
 
@@ -20,6 +20,19 @@ def test_a_metric_mesh_keeps_its_size_and_moves_to_the_corner() -> None:
 
 def test_a_metric_mesh_that_fills_the_workspace_exactly_is_not_too_large() -> None:
     assert fit(generated(Box(0, 0, 0, 6, 5, 6)), CONFIG).changes == ()
+
+
+def test_half_a_millimetre_more_than_the_workspace_is_not_too_large() -> None:
+    fitted = fit(generated(Box(0, 0, 0, 6.005, 5.005, 6.005)), CONFIG)
+    assert np.allclose(fitted.shape.extent, [6.005, 5.005, 6.005])
+    assert fitted.changes == ()
+
+
+def test_the_tolerance_is_a_length_at_any_pitch_and_size() -> None:
+    voxel = CONFIG.voxel.model_copy(update={"pitch_m": 0.05})
+    shape = fit(generated(Box(0, 0, 0, 2, 2, 2)), CONFIG.model_copy(update={"voxel": voxel})).shape
+    assert np.allclose(shape.extent, 4)
+    assert shape.rescaled(np.full(3, 3.0)).tolerance == pytest.approx(TOLERANCE_M / 0.05)
 
 
 def test_a_metric_mesh_that_is_too_large_shrinks_evenly_and_says_so() -> None:
