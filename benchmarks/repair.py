@@ -11,6 +11,7 @@ import random
 import statistics
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 from cellctl.config import load_config
@@ -63,7 +64,7 @@ def main() -> int:
                 parts=parts,
                 grid=_CONFIG.grid,
                 budget_s=options.budget_s,
-                rescaled=rescaled,
+                rescaled=partial(frozenset, rescaled),
             )
         except PlanError:
             refused += 1

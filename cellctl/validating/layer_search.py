@@ -102,6 +102,9 @@ def _next_cells(layer: Cells, partial: Partial, branches: int, *, avoid_tight: b
         return (tight, cell.z > 0 and cell.below() not in standing, cell)
 
     if avoid_tight:
+        # What grows from one front meets no other; whoever begins at both ends closes a gap.
+        begun = {cell for cell in partial.cells if cell in layer}
+        ready = [c for c in ready if not begun or not begun.isdisjoint(lateral(c))]
         ready = [c for c in ready if not is_between(c, standing)]
         ready = [c for c in ready if not gaps_left(c, standing, layer)]
     return sorted(ready, key=price)[:branches]

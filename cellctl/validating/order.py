@@ -77,6 +77,8 @@ def find_order(
             "It breaks the rule of stability: the finished object would not stand. "
             f"{_lacking(final, physics)}",
             _ADVICE,
+            rule="stability",
+            cells=tuple(sorted(final.moving)),
         )
     growth = Growth(physics, given, thorough=False)
     order: list[Cell] = []
@@ -117,6 +119,8 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
                 f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
                 f"{_named(blockers)}.",
                 "Take these away first.",
+                rule="access",
+                cells=(cell, *blockers),
             )
     candidates = layer_orders(layer, standing)
     if not candidates:
@@ -124,6 +128,8 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
             "It breaks the rule of access: no part of their layer or beneath carries some of "
             f"{_named(sorted(layer))} when their turn comes.",
             "Set something beneath them, or beside them in their layer.",
+            rule="access",
+            cells=tuple(sorted(layer)),
         )
     best = _best(candidates[:_TRIED], growth, None)
     if not best.holds:
@@ -132,9 +138,12 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
         best = _best(careful[:_TRIED], growth, best)
     if not best.holds or best.tight:
         effort = _SEARCH_TO_AVOID if best.holds else _SEARCH_TO_HOLD
-        found = search_layer(layer, growth, effort, avoid_tight=best.holds)
+        # Growing from one front strains the joints: only exact proofs show that it holds.
+        start = growth.copy(thorough=best.holds)
+        found = search_layer(layer, start, effort, avoid_tight=best.holds)
         if found is not None:
-            return Laid(found.cells, found.verdicts, found.growth, found.tight, True, best.whole)
+            after = found.growth.copy(thorough=False)
+            return Laid(found.cells, found.verdicts, after, found.tight, True, best.whole)
     if not best.holds:
         # What the quick proofs could not show is shown exactly, or refuted.
         best = _prove(best.whole, growth.copy(thorough=True), None)
@@ -189,6 +198,8 @@ def _refusal(best: Laid, start: Growth, physics: Physics) -> PlanError:
         "It breaks the rule of stability: no order was found in which every step stands. As the "
         f"part at {list(best.cells[-1])} is placed: {_lacking(verdict, physics)}",
         _ADVICE,
+        rule="stability",
+        cells=tuple(sorted(verdict.moving)),
     )
 
 

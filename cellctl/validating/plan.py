@@ -17,6 +17,7 @@ from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
 from cellctl.validating.access import Gripper
 from cellctl.validating.changing.plans import plan_change_over, plan_removal
+from cellctl.validating.checker import verify
 from cellctl.validating.discretise import discretise
 from cellctl.validating.draft import Draft, draft, paper_draft, paper_redraft, redraft
 from cellctl.validating.files import read_json_plan, read_mesh
@@ -53,7 +54,8 @@ def plan_build(
     tell("discretising")
     fitted = fit(generated, config)
     tell("checking")
-    found = _drafted(fitted.shape, config, _parts(config, inventory_parts))
+    parts = _parts(config, inventory_parts)
+    found = _drafted(fitted.shape, config, parts)
     size, pitch_m = size_of(found.cells), config.voxel.pitch_m
     stated_m = generated.stated_dimensions_m
     changes = (
@@ -64,12 +66,9 @@ def plan_build(
     )
     questions = (*size_questions(stated_m, size, pitch_m), *found.questions)
     tell("sequencing")
-    return site(
-        replace(found, changes=changes, questions=questions),
-        config,
-        generated.title,
-        generated.provenance,
-    )
+    found = replace(found, changes=changes, questions=questions)
+    plan = site(found, config, generated.title, generated.provenance)
+    return _verified(plan, config, parts)
 
 
 def plan_cells(
@@ -95,8 +94,9 @@ def plan_cells(
             f"The object is {_times(size)} cells large; the workspace has {_times(grid)}.",
             "Make it smaller.",
         )
-    found = _drafted_cells(moved, config, _parts(config, inventory_parts))
-    return site(found, config, title, provenance)
+    parts = _parts(config, inventory_parts)
+    found = _drafted_cells(moved, config, parts)
+    return _verified(site(found, config, title, provenance), config, parts)
 
 
 def plan_file(
@@ -166,7 +166,7 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
         else redraft(order, physics, Gripper.of(config), parts)
     )
     found = replace(found, changes=plan.changes, questions=plan.questions, closeness=plan.closeness)
-    return site_here(found, config, plan.title, plan.provenance)
+    return _verified(site_here(found, config, plan.title, plan.provenance), config, parts)
 
 
 def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPlan:
@@ -181,7 +181,9 @@ def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPla
         UsageError: the file is neither.
         PlanError: there is no way in which every state on the way stands.
     """
-    return plan_removal(standing_cells(name, content, config), config, title=Path(name).stem)
+    standing = standing_cells(name, content, config)
+    plan = plan_removal(standing, config, title=Path(name).stem)
+    return _verified(plan, config, config.limits.inventory_parts, standing)
 
 
 def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> BuildPlan:
@@ -212,13 +214,15 @@ def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> 
         provenance=plan.provenance,
         reachable=reachable,
     )
-    return changed.model_copy(
+    told = changed.model_copy(
         update={
             "changes": (*plan.changes, *changed.changes),
             "questions": plan.questions,
             "closeness": plan.closeness,
         }
     )
+    spare = config.limits.inventory_parts - len(standing)
+    return _verified(told, config, spare, standing)
 
 
 def standing_cells(name: str, content: bytes, config: CellConfig) -> Cells:
@@ -258,7 +262,7 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
         parts=parts,
         grid=config.grid,
         budget_s=config.planning.budget_s,
-        rescaled=process(shape, config.limits, parts).cells,
+        rescaled=lambda: process(shape, config.limits, parts).cells,
     )
     gripper = Gripper.of(config)
     try:
@@ -283,6 +287,27 @@ def _drafted_cells(cells: Cells, config: CellConfig, parts: int) -> Draft:
     if config.planning.policy == "paper":
         return paper_draft(plan_paper_cells(cells, config.limits, parts), physics)
     return draft(cells, physics, Gripper.of(config), parts)
+
+
+def _verified(
+    plan: BuildPlan, config: CellConfig, parts: int, standing: Cells = frozenset()
+) -> BuildPlan:
+    """The plan, if the independent checker finds nothing wrong with it.
+
+    Raises:
+        PlanError: it does, which is a defect of the planner.
+    """
+    for check in verify(plan, config, parts, standing):
+        # By the paper's rules, counts decide; how it stands is asked about.
+        if not check.passed and not (plan.policy == "paper" and check.name == "stability"):
+            raise PlanError(
+                f"The plan failed when it was checked anew, by the rule of {check.name}: "
+                f"{check.message}",
+                "This is a defect of the planner; please report it with what was asked for.",
+                rule=check.name,
+                cells=check.cells,
+            )
+    return plan
 
 
 def _parts(config: CellConfig, inventory_parts: int | None) -> int:

@@ -11,8 +11,8 @@ from cellctl.validating.checker import verify
 from cellctl.validating.checker_statics import stands
 from cellctl.validating.stability import Physics, assess
 from tests.validating.plans import plan_of
+from tests.validating.random_solids import random_solid
 from tests.validating.shapes import CONFIG, cells_of
-from tests.validating.solids import random_solid
 
 BENCH = (
     *(Cell(x, 0, z) for z in range(2) for x in (0, 3)),
@@ -122,14 +122,14 @@ def test_an_overlong_row_over_nothing_is_refused() -> None:
     assert failed(verify(plan_of((*column, *row)), CONFIG)) == {"stability": (row[3],)}
 
 
-def test_a_lone_column_of_five_is_refused() -> None:
-    column = tuple(Cell(0, 0, z) for z in range(5))
-    assert failed(verify(plan_of(column[:4]), CONFIG)) == {}
-    assert failed(verify(plan_of(column), CONFIG)) == {"stability": (column[4],)}
+def test_a_lone_column_of_six_is_refused() -> None:
+    column = tuple(Cell(0, 0, z) for z in range(6))
+    assert failed(verify(plan_of(column[:5]), CONFIG)) == {}
+    assert failed(verify(plan_of(column), CONFIG)) == {"stability": (column[5],)}
 
 
 def test_a_larger_margin_is_asked_for_as_configured() -> None:
-    column = tuple(Cell(0, 0, z) for z in range(4))
+    column = tuple(Cell(0, 0, z) for z in range(5))
     assert "stability" in failed(verify(plan_of(column), stability(least_margin=1.3)))
 
 

@@ -19,8 +19,8 @@ from cellctl.validating.layer_orders import layer_orders, tight_fits
 from cellctl.validating.order import find_order, order_cells
 from cellctl.validating.stability import Physics, assess, assess_order
 from tests.validating.plans import plan_of
+from tests.validating.random_solids import random_solid
 from tests.validating.shapes import CONFIG, cells_of, paper
-from tests.validating.solids import random_solid
 
 PHYSICS = Physics.of(CONFIG)
 GRIPPER = Gripper.of(CONFIG)
@@ -109,9 +109,9 @@ def test_the_papers_shelf_of_60_is_built_with_no_part_between_two_others() -> No
 def test_the_papers_own_objects(test_data: Path) -> None:
     for name in ("stool", "shelf", "letter_t", "table"):
         cells, _ = paper(test_data, name)
-        # The stool, the T and the table start their tops on a lone column of five: the sixth part
-        # in a column, which the default push would topple.
-        holds = replace(PHYSICS, placement_side_n=2.4, contact="square")
+        # Before they are rescaled, the stool, the T and the table start their tops on a lone column
+        # of five: the sixth part in a column, which the default push would topple.
+        holds = replace(PHYSICS, placement_side_n=2.4)
         order = find_order(cells, holds, GRIPPER)
         assert sorted(order.cells) == sorted(cells), name
         assert order.margin >= 1
@@ -181,7 +181,7 @@ def test_an_object_that_would_not_stand_is_refused_with_the_joint_and_the_cells(
 
 
 def test_a_column_that_would_be_pushed_over_is_refused() -> None:
-    column = frozenset(Cell(0, 0, z) for z in range(5))
+    column = frozenset(Cell(0, 0, z) for z in range(6))
     assert assess(column, PHYSICS).margin == math.inf
     with pytest.raises(PlanError, match="between \\[0, 0, 0\\] and the floor"):
         order_cells(column, PHYSICS, GRIPPER)

@@ -101,7 +101,6 @@ def test_changes_and_questions_reach_the_plan() -> None:
             "It is one part shallower: 6 x 2 x 6 parts (wide, deep, high) instead of 6 x 3 x 6.",
             "It would take 60 parts, and there are 40.",
         ),
-        ("All legs became thinner.", "It would take 60 parts, and there are 40."),
     ]
     assert shelf.closeness is not None
     assert shelf.closeness.proven

@@ -71,7 +71,7 @@ def test_the_papers_shelf_keeps_its_full_width_and_height() -> None:
     cells = cells_of(*SHELF)
     rescaled = rescale(shape(*SHELF), CONFIG.limits, 40).cells
     found = repair_shape(
-        cells, PHYSICS, parts=40, grid=CONFIG.grid, budget_s=60.0, rescaled=rescaled
+        cells, PHYSICS, parts=40, grid=CONFIG.grid, budget_s=60.0, rescaled=lambda: rescaled
     )
     assert found.cells == cells_of(*(box._replace(depth=2) for box in SHELF))
     assert found.baseline_score is not None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from cellctl.assembly import Cell, Change
-from cellctl.errors import PlanError
+from cellctl.errors import Nearest, PlanError
 from cellctl.validating.repairing.collapse import Stands
 from cellctl.validating.repairing.judge import judge, longest_row, probed
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
@@ -50,7 +50,7 @@ def repair_shape(
     parts: int,
     grid: Size,
     budget_s: float,
-    rescaled: Cells = frozenset(),
+    rescaled: Callable[[], Cells] = frozenset,
     workers: int = 1,
     progress: Callable[[str], None] | None = None,
 ) -> Repaired:
@@ -63,7 +63,7 @@ def repair_shape(
         grid: the workspace in cells.
         budget_s: how long to search (wall time); then the best object so far is taken.
         rescaled: what the paper's rescaling makes of the shape, if anything: for comparison, and
-            to fall back on.
+            to fall back on. Asked only when something must be changed.
         workers: of the exact solver; one is deterministic.
         progress: told that a repair begins.
 
@@ -77,17 +77,16 @@ def repair_shape(
         raise PlanError("There are no cells to build.", "Name at least one cell.")
     wanted = Wanted(to_corner(cells))
     why = reasons(wanted.cells, wanted.size, parts, grid)
-    base = to_corner(rescaled) if rescaled else frozenset[Cell]()
-    baseline_score = wanted.score(base) if base else None
     if not why:
         verdict = judge(wanted.cells, physics)
         if isinstance(verdict, Stands):
-            return Repaired(
-                wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, baseline_score
-            )
+            return Repaired(wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, None)
         why = (unstable(verdict),)
     if progress is not None:
         progress("repairing")
+    base = rescaled()
+    base = to_corner(base) if base else base
+    baseline_score = wanted.score(base) if base else None
     rules = Rules(
         parts=parts,
         grid=grid,
@@ -139,4 +138,11 @@ def _refusal(wanted: Wanted, why: tuple[Reason, ...], nearest: Cells, score: flo
     return PlanError(
         f"This shape cannot be built here. {' '.join(said)} {could}",
         "Ask for another shape, or a simpler one.",
+        rule=why[0].rule,
+        cells=why[0].cells,
+        nearest=Nearest(what=could, cells=_sorted(nearest)) if nearest else None,
     )
+
+
+def _sorted(cells: Cells) -> tuple[Cell, ...]:
+    return tuple(sorted(cells, key=lambda c: (c.z, c.x, c.y)))
