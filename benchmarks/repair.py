@@ -16,6 +16,7 @@ from pathlib import Path
 from cellctl.config import load_config
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import mesh_of
+from cellctl.validating.access import Gripper
 from cellctl.validating.clean import Surface
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
@@ -36,12 +37,13 @@ def main() -> int:
     parser.add_argument("--budget-s", type=float, default=20.0)
     parser.add_argument("--verbose", action="store_true", help="print every solid")
     options = parser.parse_args()
-    physics = Physics.of(_CONFIG)
+    physics, gripper = Physics.of(_CONFIG), Gripper.of(_CONFIG)
     parts = _CONFIG.limits.inventory_parts
     # Probes of the physics and imports are made once a process.
     repair_shape(
         frozenset(_cells(random.Random(0))[1]),  # noqa: S311 - the same solids every time
         physics,
+        gripper,
         parts=parts,
         grid=_CONFIG.grid,
         budget_s=options.budget_s,
@@ -60,6 +62,7 @@ def main() -> int:
             found = repair_shape(
                 cells,
                 physics,
+                gripper,
                 parts=parts,
                 grid=_CONFIG.grid,
                 budget_s=options.budget_s,

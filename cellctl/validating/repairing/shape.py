@@ -8,6 +8,7 @@ from functools import partial
 
 from cellctl.assembly import Cell, Change
 from cellctl.errors import PlanError
+from cellctl.validating.access import Gripper
 from cellctl.validating.repairing.collapse import Stands
 from cellctl.validating.repairing.judge import judge, longest_row, probed
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
@@ -46,6 +47,7 @@ class Repaired:
 def repair_shape(
     cells: Cells,
     physics: Physics,
+    gripper: Gripper,
     *,
     parts: int,
     grid: Size,
@@ -59,6 +61,7 @@ def repair_shape(
     Args:
         cells: the wanted shape, at the wanted size; it may break any rule.
         physics: what holds the parts.
+        gripper: what comes down with each of them.
         parts: how many there are.
         grid: the workspace in cells.
         budget_s: how long to search (wall time); then the best object so far is taken.
@@ -80,7 +83,7 @@ def repair_shape(
     base = to_corner(rescaled) if rescaled else frozenset[Cell]()
     baseline_score = wanted.score(base) if base else None
     if not why:
-        verdict = judge(wanted.cells, physics)
+        verdict = judge(wanted.cells, physics, gripper)
         if isinstance(verdict, Stands):
             return Repaired(
                 wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, baseline_score
@@ -93,7 +96,7 @@ def repair_shape(
         grid=grid,
         reach=2 * longest_row(physics),
         floor_grips=physics.floor_grips,
-        judge=partial(judge, physics=physics),
+        judge=partial(judge, physics=physics, gripper=gripper),
         known=probed(physics),
     )
     usable = base if base and not reasons(base, Wanted(base).size, parts, grid) else frozenset()
