@@ -17,10 +17,11 @@ from pathlib import Path
 from cellctl.config import load_config
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import mesh_of
+from cellctl.validating.access import Gripper
 from cellctl.validating.clean import Surface
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
-from cellctl.validating.repair import repair as rescale
+from cellctl.validating.paper.policy import process as rescale
 from cellctl.validating.repairing import FORMULA, Repaired, Wanted, repair_shape
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
@@ -37,12 +38,13 @@ def main() -> int:
     parser.add_argument("--budget-s", type=float, default=20.0)
     parser.add_argument("--verbose", action="store_true", help="print every solid")
     options = parser.parse_args()
-    physics = Physics.of(_CONFIG)
+    physics, gripper = Physics.of(_CONFIG), Gripper.of(_CONFIG)
     parts = _CONFIG.limits.inventory_parts
     # Probes of the physics and imports are made once a process.
     repair_shape(
         frozenset(_cells(random.Random(0))[1]),  # noqa: S311 - the same solids every time
         physics,
+        gripper,
         parts=parts,
         grid=_CONFIG.grid,
         budget_s=options.budget_s,
@@ -61,6 +63,7 @@ def main() -> int:
             found = repair_shape(
                 cells,
                 physics,
+                gripper,
                 parts=parts,
                 grid=_CONFIG.grid,
                 budget_s=options.budget_s,

@@ -256,20 +256,17 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
     physics = Physics.of(config)
     if config.planning.policy == "paper":
         return paper_draft(plan_paper(shape, config.limits, parts), physics)
+    gripper = Gripper.of(config)
     repaired = repair_shape(
         discretise(shape),
         physics,
+        gripper,
         parts=parts,
         grid=config.grid,
         budget_s=config.planning.budget_s,
         rescaled=lambda: process(shape, config.limits, parts).cells,
     )
-    gripper = Gripper.of(config)
-    try:
-        found = draft(repaired.cells, physics, gripper, parts)
-    except PlanError:
-        # It was found to stand in another order than the one that is sought here.
-        found = redraft(repaired.order, physics, gripper, parts)
+    found = redraft(repaired.order, physics, gripper, parts)
     if not repaired.changes:
         return found
     closeness = Closeness(

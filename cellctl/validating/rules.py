@@ -1,31 +1,20 @@
 """What an assembly must satisfy to be built by this cell, each rule a check with its cells.
 
-Parts, overhang and unsupported stack are counts, after the paper's section 3.3; connectivity and
-access from above are what building part by part needs besides.
+Parts and unsupported stack are counts, after the paper's section 3.3; connectivity and access from
+above are what building part by part needs besides. Whether it stands is another room's matter
+(stability).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 from cellctl.assembly import Cell, Check
-from cellctl.config import LimitsSection
 
 Cells = frozenset[Cell]
 
 _LATERAL = ((1, 0), (-1, 0), (0, 1), (0, -1))
 _DIAGONAL = ((1, 1), (1, -1), (-1, 1), (-1, -1))
-
-
-class Overhang(NamedTuple):
-    """How far a layer hangs out beyond what carries it, in cells, and where."""
-
-    length: int
-    cells: frozenset[Cell]
-    """The cells beyond the limit that was asked about."""
-    axis: int
-    """0 for x, 1 for y: along which the worst of it runs."""
 
 
 def size_of(cells: Cells) -> tuple[int, int, int]:
@@ -84,60 +73,6 @@ def pieces(cells: Iterable[Cell]) -> list[frozenset[Cell]]:
     return sorted(found, key=len, reverse=True)
 
 
-def overhang_walk(cells: Cells, limit: int) -> Overhang:
-    """The paper's measure: straight walks from supported cells over unsupported ones.
-
-    A walk along +-x or +-y counts unsupported cells until a supported cell or a gap.
-    """
-    longest, axis = 0, 0
-    beyond: set[Cell] = set()
-    for cell in cells:
-        if not supported(cell, cells):
-            continue
-        for dx, dy in _LATERAL:
-            walk: list[Cell] = []
-            step = Cell(cell.x + dx, cell.y + dy, cell.z)
-            while step in cells and not supported(step, cells):
-                walk.append(step)
-                step = Cell(step.x + dx, step.y + dy, step.z)
-            if len(walk) > longest:
-                longest, axis = len(walk), 0 if dx else 1
-            beyond.update(walk[limit:])
-    return Overhang(longest, frozenset(beyond), axis)
-
-
-def overhang_reach(cells: Cells, limit: int) -> Overhang:
-    """How far from support every cell of a layer is, around corners too.
-
-    It sees the rows that hold no supported cell, which no straight walk enters. Cells that no
-    support carries at all are not its matter but that of access.
-    """
-    farthest, worst = 0, None
-    beyond: set[Cell] = set()
-    steps = {cell: 0 for cell in cells if supported(cell, cells)}
-    origin = {cell: cell for cell in steps}
-    front = sorted(steps)
-    while front:
-        following = []
-        for cell in front:
-            for beside in reach_steps(cell, cells):
-                if beside not in steps:
-                    steps[beside] = steps[cell] + 1
-                    origin[beside] = origin[cell]
-                    following.append(beside)
-        front = following
-    for cell, length in steps.items():
-        if length > farthest:
-            farthest, worst = length, cell
-        if length > limit:
-            beyond.add(cell)
-    axis = 0
-    if worst is not None:
-        root = origin[worst]
-        axis = 0 if abs(worst.x - root.x) >= abs(worst.y - root.y) else 1
-    return Overhang(farthest, frozenset(beyond), axis)
-
-
 def unsupported_stacks(cells: Cells, limit: int) -> tuple[int, frozenset[Cell]]:
     """Longest run of cells on top of each other without a lateral neighbour, and all too long."""
     longest = 0
@@ -160,14 +95,6 @@ def check_count(cells: Cells, parts: int) -> Check:
     passed = len(cells) <= parts
     message = f"{len(cells)} parts; {parts} are there."
     return Check(name="count", passed=passed, message=message, cells=() if passed else _all(cells))
-
-
-def check_overhang(cells: Cells, limit: int) -> Check:
-    """No cantilever longer than the limit: straight, or around corners."""
-    walk, reach = overhang_walk(cells, limit), overhang_reach(cells, limit)
-    beyond = walk.cells | reach.cells
-    message = f"The longest overhang is {max(walk.length, reach.length)} parts; {limit} hold."
-    return Check(name="overhang", passed=not beyond, message=message, cells=_all(beyond))
 
 
 def check_stack(cells: Cells, limit: int) -> Check:
@@ -218,18 +145,6 @@ def check_access(cells: Cells) -> Check:
         else f"{len(cut_off)} parts would have to hang from parts above them."
     )
     return Check(name="access", passed=not cut_off, message=message, cells=_all(cut_off))
-
-
-def check_all(cells: Cells, limits: LimitsSection, parts: int) -> tuple[Check, ...]:
-    """Every rule, always in this order: count, overhang, stack, connectivity, grounded, access."""
-    return (
-        check_count(cells, parts),
-        check_overhang(cells, limits.overhang_cells),
-        check_stack(cells, limits.stack_cells),
-        check_connectivity(cells),
-        check_grounded(cells),
-        check_access(cells),
-    )
 
 
 def _all(cells: Iterable[Cell]) -> tuple[Cell, ...]:

@@ -23,7 +23,6 @@ from cellctl.validating.paper.scaling import (
     occupy,
     one_cell_smaller,
     scale_to_fit,
-    size_of,
 )
 from cellctl.validating.paper.sequencing import Order, connectivity_order, naive_order
 from cellctl.validating.paper.steadying import (
@@ -33,7 +32,7 @@ from cellctl.validating.paper.steadying import (
     within_overhang,
     within_stack,
 )
-from cellctl.validating.rules import unsupported_stacks
+from cellctl.validating.rules import size_of, unsupported_stacks
 from tests.validating.shapes import cells_of, paper, shape
 
 LIMITS = LimitsSection(inventory_parts=40, overhang_cells=3, stack_cells=4)

@@ -12,7 +12,8 @@ import pytest
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
-from cellctl.validating.repair import repair as rescale
+from cellctl.validating.access import Gripper
+from cellctl.validating.paper.policy import process as rescale
 from cellctl.validating.repairing import Repaired, Wanted, repair_shape
 from cellctl.validating.repairing.symmetry import symmetries
 from cellctl.validating.rules import Cells, hanging, pieces
@@ -23,11 +24,13 @@ from tests.validating.shapes import CONFIG, cells_of, shape
 # The paper built its T of five layers, so the fifth part of a lone column holds.
 PHYSICS = dataclasses.replace(Physics.of(CONFIG), placement_side_n=2.8)
 
+GRIPPER = Gripper.of(CONFIG)
+
 
 def repaired(
     cells: Cells, parts: int = 40, *, budget_s: float = 60.0, physics: Physics = PHYSICS
 ) -> Repaired:
-    return repair_shape(cells, physics, parts=parts, grid=CONFIG.grid, budget_s=budget_s)
+    return repair_shape(cells, physics, GRIPPER, parts=parts, grid=CONFIG.grid, budget_s=budget_s)
 
 
 def assert_can_be_built(found: Repaired, parts: int = 40) -> None:
@@ -71,7 +74,13 @@ def test_the_papers_shelf_keeps_its_full_width_and_height() -> None:
     cells = cells_of(*SHELF)
     rescaled = rescale(shape(*SHELF), CONFIG.limits, 40).cells
     found = repair_shape(
-        cells, PHYSICS, parts=40, grid=CONFIG.grid, budget_s=60.0, rescaled=lambda: rescaled
+        cells,
+        PHYSICS,
+        GRIPPER,
+        parts=40,
+        grid=CONFIG.grid,
+        budget_s=60.0,
+        rescaled=lambda: rescaled,
     )
     assert found.cells == cells_of(*(box._replace(depth=2) for box in SHELF))
     assert found.baseline_score is not None
@@ -103,7 +112,7 @@ def test_it_may_lie_anywhere() -> None:
 
 
 def test_the_same_shape_is_repaired_alike() -> None:
-    cells = cells_of(*STOOL)
+    cells = cells_of(*TABLE)
     assert repaired(cells) == repaired(cells)
 
 
@@ -149,7 +158,7 @@ def check_random_furniture(seed: int, count: int, budget_s: float) -> None:
 
 
 def test_random_furniture_can_be_built_and_stays_symmetric() -> None:
-    check_random_furniture(seed=3, count=4, budget_s=10.0)
+    check_random_furniture(seed=3, count=3, budget_s=10.0)
 
 
 @pytest.mark.soak

@@ -23,7 +23,8 @@ from cellctl.errors import PlanError
 from cellctl.validating.clean import Surface
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
-from cellctl.validating.rules import Cells
+from cellctl.validating.rules import Cells, size_of
+from cellctl.validating.rules import to_corner as moved_to_corner
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def one_cell_smaller(shape: Shape, axes: Iterable[int]) -> Shape:
             "The paper's rescaling ends here: the shape is one part thin, and cannot lose a part.",
             "Ask for another shape.",
         )
-    return Shape(Surface(shape.surface.vertices * factors, shape.surface.faces))
+    return Shape(Surface(shape.surface.vertices * factors, shape.surface.faces), shape.pitch_m)
 
 
 def occupy(shape: Shape) -> Rescaled:
@@ -86,14 +87,7 @@ def to_corner(cells: Iterable[Cell]) -> Cells:
     found = frozenset(cells)
     if not found:
         raise PlanError("There are no cells to build.", "Name at least one cell.")
-    low = [min(axis) for axis in zip(*found, strict=True)]
-    return frozenset(Cell(c.x - low[0], c.y - low[1], c.z - low[2]) for c in found)
-
-
-def size_of(cells: Cells) -> tuple[int, int, int]:
-    """How many cells the bounding box spans along x, y and z."""
-    nx, ny, nz = (max(axis) - min(axis) + 1 for axis in zip(*cells, strict=True))
-    return (nx, ny, nz)
+    return moved_to_corner(found)
 
 
 def resized(before: Cells, after: Rescaled, why: str) -> Rescaled:

@@ -9,10 +9,11 @@ from cellctl.validating.paper import printed
 from cellctl.validating.paper.counting import within_count
 from cellctl.validating.paper.policy import Module
 from cellctl.validating.paper.report import Figure, Quantity, Row, Table, compared
-from cellctl.validating.paper.scaling import Rescaled, size_of
+from cellctl.validating.paper.scaling import Rescaled
 from cellctl.validating.paper.sequencing import Order, naive_order
 from cellctl.validating.paper.steadying import longest_overhang, within_overhang, within_stack
 from cellctl.validating.paper.workbench import Outcome, Workbench, Worked
+from cellctl.validating.rules import size_of
 
 
 def count_table(bench: Workbench) -> Table:

@@ -15,8 +15,9 @@ from cellctl.validating.paper import square_path
 from cellctl.validating.paper.objects import OBJECTS, PaperObject, volume
 from cellctl.validating.paper.policy import COMPLETE, Module, judge, order_by, process
 from cellctl.validating.paper.printed import CELL_CM3, GRID, LIMITS, PITCH_M
-from cellctl.validating.paper.scaling import Rescaled, occupy, scale_to_fit, size_of
+from cellctl.validating.paper.scaling import Rescaled, occupy, scale_to_fit
 from cellctl.validating.paper.sequencing import Order
+from cellctl.validating.rules import size_of
 
 
 @dataclass(frozen=True)

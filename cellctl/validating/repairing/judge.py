@@ -6,53 +6,45 @@ import math
 from functools import lru_cache
 
 from cellctl.assembly import Cell
+from cellctl.errors import PlanError
+from cellctl.validating.access import Gripper
+from cellctl.validating.order import find_order
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.hinge import hinge
 from cellctl.validating.rules import Cells, lateral, supported
-from cellctl.validating.sequence import sequence
-from cellctl.validating.stability import Physics, Verdict, assess, assess_order
+from cellctl.validating.stability import Physics, Verdict, assess
 
 _LONGEST_PROBE = 12
 """Rows and columns are tried up to this many cells; what holds longer is found when it matters."""
 
 
-def judge(cells: Cells, physics: Physics) -> Stands | Collapses:
-    """Order an object and assess every step of the order.
+def judge(cells: Cells, physics: Physics, gripper: Gripper) -> Stands | Collapses:
+    """Order an object so that it stands at every step, or tell where it would collapse.
 
     Args:
         cells: connected, and accessible from above.
         physics: what holds them.
+        gripper: what comes down with each part.
     """
     finished = assess(cells, physics)
     if finished.margin < physics.least_margin:
         return _collapse(finished, cells, None, physics)
-    order = sequence(cells, longest_row(physics))
-    verdicts = assess_order(order, physics)
-    for number, verdict in enumerate(verdicts):
-        if verdict.margin < physics.least_margin:
-            least = min((held.margin for held in verdicts[:number]), default=math.inf)
-            return _otherwise(order, number, physics, least)
-    return Stands(order, min(verdict.margin for verdict in verdicts))
+    try:
+        order = find_order(cells, physics, gripper)
+    except PlanError:
+        return _one_by_one(cells, physics)
+    return Stands(order.cells, order.margin)
 
 
-def _otherwise(
-    order: tuple[Cell, ...], number: int, physics: Physics, margin: float
-) -> Stands | Collapses:
-    """From the first part of an order that does not hold on: whichever part holds, one by one.
-
-    Args:
-        order: all parts, layer by layer.
-        number: how many of it hold.
-        physics: what holds them.
-        margin: the least of these.
-    """
-    placed = list(order[:number])
-    left = list(order[number:])
+def _one_by_one(cells: Cells, physics: Physics) -> Stands | Collapses:
+    """Layer by layer, whichever part holds next; where none does, the collapse of the best one."""
+    placed: list[Cell] = []
+    margin = math.inf
+    left = sorted(cells, key=lambda cell: (cell.z, not _grounded(cell, cells), cell))
     while left:
         standing = frozenset(placed)
-        layer = [cell for cell in left if cell.z == left[0].z]
         failed: list[tuple[Verdict, Cell]] = []
-        for cell in layer:
+        for cell in [cell for cell in left if cell.z == left[0].z]:
             if not supported(cell, standing) and standing.isdisjoint(lateral(cell)):
                 continue
             verdict = assess(standing | {cell}, physics, cell)
@@ -67,6 +59,11 @@ def _otherwise(
             begun = any(one.z == cell.z for one in standing)
             return _collapse(verdict, standing | {cell}, cell, physics, begun=begun)
     return Stands(tuple(placed), margin)
+
+
+def _grounded(cell: Cell, cells: Cells) -> bool:
+    """Whether a column of cells carries it."""
+    return all(Cell(cell.x, cell.y, z) in cells for z in range(cell.z))
 
 
 @lru_cache(maxsize=8)

@@ -19,19 +19,15 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from cellctl.assembly import Cell
 from cellctl.validating.repairing.collapse import Mechanism
-from cellctl.validating.repairing.score import VIEWS, Floats, Size, Terms
+from cellctl.validating.repairing.rows import broken_rows
+from cellctl.validating.repairing.score import VIEWS, Size, Terms
 from cellctl.validating.repairing.symmetry import Symmetry, orbits
 from cellctl.validating.rules import Cells, lateral, pieces
 
 if TYPE_CHECKING:
     from ortools.sat.python import cp_model
-
-Bools = npt.NDArray[np.bool_]
 
 SAME = 1e-5
 """Scores closer than this are equal."""
@@ -172,25 +168,11 @@ class Model:
             self._pixels.append((seen, shared, covered))
 
     def _add_rows(self) -> None:
-        """What is an unbroken row of the wanted shape stays one: no holes and no notches.
-
-        Only cells that nobody sees, with wanted ones on all sides, may be left out between others.
-        """
-        wanted = self._terms.volume >= self._terms.cell / 2
-        inside = np.pad(wanted, 1)
-        hidden = wanted.copy()
-        for axis in range(3):
-            for step in (1, -1):
-                hidden &= np.roll(inside, step, axis)[1:-1, 1:-1, 1:-1]
+        """No holes and no notches where the wanted shape has none."""
         found = set()
-        for axis in range(3):
-            for cell in self._of:
-                row = self._row(cell, axis, wanted)
-                for k in range(2, len(row)):
-                    for j in range(1, k):
-                        if not hidden[row[j]]:
-                            first, between, last = (self._of[row[i]] for i in (0, j, k))
-                            found.add((min(first, last), between, max(first, last)))
+        for first, between, last in broken_rows(self._terms.volume >= self._terms.cell / 2):
+            ends = sorted((self._of[first], self._of[last]))
+            found.add((ends[0], self._of[between], ends[1]))
         for first, between, last in sorted(found):
             if between not in (first, last):
                 self._model.add_bool_or(
@@ -198,16 +180,6 @@ class Model:
                     self._filled[between],
                     self._filled[last].negated(),
                 )
-
-    def _row(self, cell: Cell, axis: int, wanted: Bools) -> list[Cell]:
-        """The wanted cells from one on along an axis, up to the first that is not wanted."""
-        row: list[Cell] = []
-        while cell in self._of and wanted[cell]:
-            row.append(cell)
-            place = list(cell)
-            place[axis] += 1
-            cell = Cell(*place)
-        return row
 
     def join(self, cells: Cells) -> None:
         """Demand of an object in several pieces, and of those like it, that they hang together."""
@@ -341,22 +313,3 @@ class Model:
         )
         self._hint = cells
         return Answer(cells, bound, proven=status == cp_model.OPTIMAL, steps=spent)
-
-
-def relaxed_bound(terms: Terms, parts: int) -> float:
-    """A score that no object of that size exceeds, found in microseconds.
-
-    It fills the best cells and the best pixels apart from each other, and asks for nothing else.
-    """
-    volume = np.sort(terms.volume, axis=None)[::-1][:parts]
-    pixels: list[Floats] = [np.sort(o, axis=None)[::-1][:parts] for o in terms.outlines]
-    low, high = 0.0, 1.0
-    # The best score is where shared - score * covered has its root; 20 halvings are a millionth.
-    for _ in range(20):
-        ratio = (low + high) / 2
-        beyond = -2.0 * ratio
-        for shared, covered in ((volume, terms.cell), *zip(pixels, terms.pixels, strict=True)):
-            gain = shared * (1.0 + ratio) - ratio * covered
-            beyond += float(gain[gain > 0].sum())
-        low, high = (ratio, high) if beyond > 0 else (low, ratio)
-    return terms.agreement * high

@@ -13,8 +13,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from cellctl.validating.repairing.bound import relaxed_bound
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
-from cellctl.validating.repairing.model import SAME, Effort, Model, relaxed_bound
+from cellctl.validating.repairing.model import SAME, Effort, Model
 from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.repairing.symmetry import Symmetry, symmetries
 from cellctl.validating.rules import Cells, pieces
@@ -24,6 +25,9 @@ Judge = Callable[[Cells], Stands | Collapses]
 
 _LEAST_STEPS = 0.05
 """A call with less is not worth making."""
+
+_GRACE_S = 2.0
+"""How far the budget may be exceeded where there is no object at all yet."""
 
 _GUESS = 0.8
 """How much of a bound is tried first. Too much asks for an object of few cells that costs little,
@@ -268,6 +272,8 @@ class _Search:
             if isinstance(verdict, Stands):
                 state.best, state.stands = fallback, verdict
                 state.score = self._wanted.score(fallback)
+        if not state.best:
+            self._end_s = max(self._end_s, time.monotonic() + _GRACE_S)
         for candidate in sorted(left, key=lambda c: (-c.bound, c.size))[:_SAFE_SIZES]:
             if state.score >= candidate.bound or time.monotonic() > self._end_s:
                 return

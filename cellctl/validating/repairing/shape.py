@@ -8,13 +8,14 @@ from functools import partial
 
 from cellctl.assembly import Cell, Change
 from cellctl.errors import Nearest, PlanError
+from cellctl.validating.access import Gripper
 from cellctl.validating.repairing.collapse import Stands
 from cellctl.validating.repairing.judge import judge, longest_row, probed
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
 from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.repairing.search import Rules, search
 from cellctl.validating.repairing.words import describe
-from cellctl.validating.rules import Cells
+from cellctl.validating.rules import Cells, to_corner
 from cellctl.validating.stability import Physics
 
 LEAST_SCORE = 0.5
@@ -46,6 +47,7 @@ class Repaired:
 def repair_shape(
     cells: Cells,
     physics: Physics,
+    gripper: Gripper,
     *,
     parts: int,
     grid: Size,
@@ -59,6 +61,7 @@ def repair_shape(
     Args:
         cells: the wanted shape, at the wanted size; it may break any rule.
         physics: what holds the parts.
+        gripper: what comes down with each of them.
         parts: how many there are.
         grid: the workspace in cells.
         budget_s: how long to search (wall time); then the best object so far is taken.
@@ -78,7 +81,7 @@ def repair_shape(
     wanted = Wanted(to_corner(cells))
     why = reasons(wanted.cells, wanted.size, parts, grid)
     if not why:
-        verdict = judge(wanted.cells, physics)
+        verdict = judge(wanted.cells, physics, gripper)
         if isinstance(verdict, Stands):
             return Repaired(wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, None)
         why = (unstable(verdict),)
@@ -92,7 +95,7 @@ def repair_shape(
         grid=grid,
         reach=2 * longest_row(physics),
         floor_grips=physics.floor_grips,
-        judge=partial(judge, physics=physics),
+        judge=partial(judge, physics=physics, gripper=gripper),
         known=probed(physics),
     )
     usable = base if base and not reasons(base, Wanted(base).size, parts, grid) else frozenset()
@@ -111,12 +114,6 @@ def repair_shape(
         found.proven,
         baseline_score,
     )
-
-
-def to_corner(cells: Cells) -> Cells:
-    """The same cells, moved to [0, 0, 0]: a shape that floats is set on the floor."""
-    low = [min(axis) for axis in zip(*cells, strict=True)]
-    return frozenset(Cell(c.x - low[0], c.y - low[1], c.z - low[2]) for c in cells)
 
 
 def _refusal(wanted: Wanted, why: tuple[Reason, ...], nearest: Cells, score: float) -> PlanError:
