@@ -18,7 +18,6 @@ _SLOPES = ((8, 1), (1, 8), (2, 1), (1, 2))
 """Directions of sweeps, with each of the four signs: nearly along an axis, or between."""
 _REACHES = (3, 2, 1)
 """How far an unfinished layer may hang out before its far side is begun too."""
-_AXES = ((1, 0), (0, 1))
 
 
 class LayerOrder(NamedTuple):
@@ -44,11 +43,11 @@ def layer_orders(layer: AbstractSet[Cell], standing: AbstractSet[Cell]) -> list[
     distances = _distances(layer | around, resting)
     if not layer <= distances.keys():
         return []
-    costs: list[Callable[[Cell, set[Cell]], int]] = []
+    costs: list[Callable[[Cell], int]] = []
     for a, b in _SLOPES:
         for sx, sy in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
-            costs.append(lambda c, _, i=a * sx, j=b * sy: i * c.x + j * c.y)  # type: ignore[misc]
-    costs.append(lambda c, _: distances[c])
+            costs.append(lambda c, i=a * sx, j=b * sy: i * c.x + j * c.y)  # type: ignore[misc]
+    costs.append(lambda c: distances[c])
     orders = {_sweep(layer, around, resting, cost) for cost in costs}
     for limit in _REACHES:
         orders.add(_grow(layer, around, resting, limit))
@@ -70,8 +69,8 @@ def tight_fits(order: Iterable[Cell], standing: Iterable[Cell] = ()) -> tuple[Ce
 def is_between(cell: Cell, placed: AbstractSet[Cell]) -> bool:
     """Whether parts stand on opposite sides of a cell, in its layer."""
     x, y, z = cell
-    return any(
-        Cell(x + dx, y + dy, z) in placed and Cell(x - dx, y - dy, z) in placed for dx, dy in _AXES
+    return ((x + 1, y, z) in placed and (x - 1, y, z) in placed) or (
+        (x, y + 1, z) in placed and (x, y - 1, z) in placed
     )
 
 
@@ -80,9 +79,11 @@ def gaps_left(cell: Cell, placed: AbstractSet[Cell], wanted: AbstractSet[Cell]) 
     x, y, z = cell
     count = 0
     for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        gap, far = Cell(x + dx, y + dy, z), Cell(x + 2 * dx, y + 2 * dy, z)
-        if gap in wanted and gap not in placed and far in placed:
-            count += 1
+        # Plain tuples are equal to cells, and made in a fraction of the time.
+        far = (x + 2 * dx, y + 2 * dy, z)
+        if far in placed:
+            gap = (x + dx, y + dy, z)
+            count += gap in wanted and gap not in placed
     return count
 
 
@@ -105,12 +106,12 @@ def _sweep(
     layer: AbstractSet[Cell],
     around: AbstractSet[Cell],
     resting: AbstractSet[Cell],
-    cost: Callable[[Cell, set[Cell]], int],
+    cost: Callable[[Cell], int],
 ) -> tuple[Cell, ...]:
     """Always the cheapest cell that can be placed and leaves no gap; with a gap if it must."""
     placed = set(around)
-    left = sorted(layer, key=lambda c: (cost(c, placed), c.x, c.y))
-    order = []
+    left = sorted(layer, key=lambda c: (cost(c), c.x, c.y))
+    order: list[Cell] = []
     while left:
         ready = (
             cell
@@ -138,7 +139,7 @@ def _grow(
     """One front from one place, that begins another one rather than hang out beyond the limit."""
     placed = set(around)
     reach: dict[Cell, int] = _reaches(around, resting)
-    order = []
+    order: list[Cell] = []
     left = set(layer)
 
     def out(cell: Cell) -> int:

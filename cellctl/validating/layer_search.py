@@ -15,6 +15,7 @@ from cellctl.validating.rules import Cells, lateral
 from cellctl.validating.stability import Verdict
 from cellctl.validating.stability.growth import Growth
 
+
 class Search(NamedTuple):
     """How hard to search."""
 
@@ -40,7 +41,9 @@ class Partial(NamedTuple):
         return max((1.0 / verdict.margin for verdict in self.verdicts), default=0.0)
 
 
-def search_layer(layer: Cells, start: Growth, effort: Search, *, avoid_tight: bool) -> Partial | None:
+def search_layer(
+    layer: Cells, start: Growth, effort: Search, *, avoid_tight: bool
+) -> Partial | None:
     """The best order that a bounded search finds; None if it finds none.
 
     Args:
@@ -83,9 +86,7 @@ def _price(partial: Partial) -> tuple[int, float, tuple[Cell, ...]]:
     return (partial.tight, round(partial.pull, 6), partial.cells)
 
 
-def _next_cells(
-    layer: Cells, partial: Partial, branches: int, *, avoid_tight: bool
-) -> list[Cell]:
+def _next_cells(layer: Cells, partial: Partial, branches: int, *, avoid_tight: bool) -> list[Cell]:
     """Cells that may come next: those that leave no gap first, then those near support."""
     standing = partial.growth.cells
     ready = [

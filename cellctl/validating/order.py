@@ -18,7 +18,7 @@ from cellctl.validating.access import Gripper
 from cellctl.validating.layer_orders import LayerOrder, layer_orders, tight_fits
 from cellctl.validating.layer_search import Search, search_layer
 from cellctl.validating.rules import Cells, pieces
-from cellctl.validating.stability import Physics, Verdict
+from cellctl.validating.stability import Physics, Verdict, assess
 from cellctl.validating.stability.growth import GOOD_MARGIN, Growth
 
 _TRIED = 4
@@ -26,9 +26,12 @@ _TRIED = 4
 those that reach out least, if none of the first holds."""
 _PROOFS = 100
 """Parts placed on trial after which the best order that holds is good enough."""
-_SEARCH_TO_HOLD = Search(beam=3, branches=4, proofs=400)
-_SEARCH_TO_AVOID = Search(beam=2, branches=3, proofs=70)
+_SEARCH_TO_HOLD = Search(beam=2, branches=4, proofs=160)
+_SEARCH_TO_AVOID = Search(beam=1, branches=3, proofs=50)
 """How hard an order is sought that holds, and one without tight fits where one with them holds."""
+
+
+_ADVICE = "Support these cells from beneath, let them reach out less far, or make them fewer."
 
 
 class Order(NamedTuple):
@@ -36,7 +39,7 @@ class Order(NamedTuple):
 
     cells: tuple[Cell, ...]
     verdicts: tuple[Verdict, ...]
-    """One a step, as ``assess_order`` gives them."""
+    """One a step: margins that are proven; ``assess_order`` gives the least of them exactly."""
     tight: tuple[Cell, ...]
     """The parts that go between two others."""
 
@@ -68,7 +71,14 @@ def find_order(
         PlanError: no order was found in which every part is held by others, can be reached from
             above and stands; the message names the rule and the cells.
     """
-    growth = Growth(physics, given)
+    final = assess(cells | given, physics)
+    if final.margin < physics.least_margin:
+        raise PlanError(
+            "It breaks the rule of stability: the finished object would not stand. "
+            f"{_lacking(final, physics)}",
+            _ADVICE,
+        )
+    growth = Growth(physics, given, thorough=False)
     order: list[Cell] = []
     verdicts: list[Verdict] = []
     wanted = cells - given
@@ -90,6 +100,8 @@ class Laid(NamedTuple):
     growth: Growth
     tight: int
     holds: bool
+    whole: LayerOrder
+    """The order that was to be laid."""
 
     @property
     def margin(self) -> float:
@@ -122,9 +134,12 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
         effort = _SEARCH_TO_AVOID if best.holds else _SEARCH_TO_HOLD
         found = search_layer(layer, growth, effort, avoid_tight=best.holds)
         if found is not None:
-            return Laid(found.cells, found.verdicts, found.growth, found.tight, True)
+            return Laid(found.cells, found.verdicts, found.growth, found.tight, True, best.whole)
     if not best.holds:
-        raise _refusal(best, growth.physics)
+        # What the quick proofs could not show is shown exactly, or refuted.
+        best = _prove(best.whole, growth.copy(thorough=True), None)
+    if not best.holds:
+        raise _refusal(best, growth, growth.physics)
     return best
 
 
@@ -132,9 +147,9 @@ def _best(candidates: list[LayerOrder], growth: Growth, best: Laid | None) -> La
     """The best of these and of one that is known."""
     proofs = 0
     for candidate in candidates:
-        if best is not None and best.holds:
-            if best.tight < candidate.tight or proofs >= _PROOFS:
-                break
+        enough = best is not None and (best.tight < candidate.tight or proofs >= _PROOFS)
+        if best is not None and best.holds and enough:
+            break
         laid = _prove(candidate, growth, best)
         proofs += len(laid.verdicts)
         best = laid if best is None else max(best, laid, key=_worth)
@@ -159,29 +174,33 @@ def _prove(candidate: LayerOrder, start: Growth, best: Laid | None) -> Laid:
         verdicts.append(verdict)
         if verdict.margin < least:
             done = candidate.cells[: len(verdicts)]
-            return Laid(done, tuple(verdicts), growth, candidate.tight, holds=False)
+            return Laid(done, tuple(verdicts), growth, candidate.tight, False, candidate)
         if best is not None and best.holds and verdict.margin <= best.margin:
             break
     whole = len(verdicts) == len(candidate.cells)
-    return Laid(
-        candidate.cells[: len(verdicts)], tuple(verdicts), growth, candidate.tight, holds=whole
-    )
+    done = candidate.cells[: len(verdicts)]
+    return Laid(done, tuple(verdicts), growth, candidate.tight, whole, candidate)
 
 
-def _refusal(best: Laid, physics: Physics) -> PlanError:
+def _refusal(best: Laid, start: Growth, physics: Physics) -> PlanError:
     """Which part fails in the best order that was tried, and why."""
-    verdict, cell = best.verdicts[-1], best.cells[-1]
-    joint = verdict.weakest.describe() if verdict.weakest else "under it"
-    strength = (
-        f"the joint {joint} would have to be {physics.least_margin / verdict.margin:.2f} times as "
-        "strong"
-        if verdict.margin > 0.0
-        else "it would fall however strong the magnets are"
-    )
+    verdict = assess(start.cells.union(best.cells), physics, best.cells[-1])
     return PlanError(
-        f"It breaks the rule of stability: no order was found in which every step stands. When the "
-        f"part at {list(cell)} is placed, {strength}. Cells: {_named(sorted(verdict.moving))}.",
-        "Support these cells from beneath, let them reach out less far, or make them fewer.",
+        "It breaks the rule of stability: no order was found in which every step stands. As the "
+        f"part at {list(best.cells[-1])} is placed: {_lacking(verdict, physics)}",
+        _ADVICE,
+    )
+
+
+def _lacking(verdict: Verdict, physics: Physics) -> str:
+    """What a state lacks, in words."""
+    named = _named(sorted(verdict.moving))
+    if verdict.weakest is None:
+        return f"nothing holds the cells {named}, however strong the magnets are."
+    factor = physics.least_margin / verdict.margin
+    return (
+        f"The joint {verdict.weakest.describe()} would have to be {factor:.2f} times as strong to "
+        f"hold the cells {named}."
     )
 
 

@@ -14,10 +14,9 @@ from cellctl.validating.stability.assess import STANDS, Verdict, assess, to_verd
 from cellctl.validating.stability.joints import Floats, Ints
 from cellctl.validating.stability.loads import SIDES, placement_pushes
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.programme import Solution
 from cellctl.validating.stability.witness import Witness
 
-GOOD_MARGIN = 2.0
+GOOD_MARGIN = 1.5
 """A margin that is proven to be at least this is not determined more exactly."""
 _ENOUGH = 0.5
 """Share of the needed pull that is no matter below which a witness of a push is not improved."""
@@ -38,12 +37,18 @@ class Growth:
       it is pressed down, it holds at rest: that load is a mean of the load with the press and the
       load before, weighted by weight and press.
 
+    Without ``thorough`` the region is never widened to the whole structure: all that is said to
+    hold does, but what is said to fail may hold.
+
     Each of these yields an upper bound of the needed pull. Only where it exceeds what the order
     needs elsewhere, and ``GOOD_MARGIN``, is the region widened, at last to the whole structure.
     """
 
-    def __init__(self, physics: Physics, given: Iterable[Cell] = ()) -> None:
+    def __init__(
+        self, physics: Physics, given: Iterable[Cell] = (), *, thorough: bool = True
+    ) -> None:
         self.physics = physics
+        self._thorough = thorough
         self._witness = Witness(physics)
         self._rooted: set[Cell] = set()
         self._pull = 1.0 / max(GOOD_MARGIN, physics.least_margin)
@@ -57,10 +62,11 @@ class Growth:
         if self._witness.cells:
             self._balance()
 
-    def copy(self) -> Self:
-        """An independent one."""
+    def copy(self, *, thorough: bool | None = None) -> Self:
+        """An independent one, as thorough as this one if not said otherwise."""
         other = type(self).__new__(type(self))
         other.physics = self.physics
+        other._thorough = self._thorough if thorough is None else thorough
         other._witness = self._witness.copy()
         other._rooted = set(self._rooted)
         other._pull = self._pull
@@ -135,7 +141,7 @@ class Growth:
         pull = max(at_rest, float(needs.max()))
         if pull <= self._pull:
             return self._bounded(pull, rows, witness.needs_with(rows, pushed).max(axis=0))
-        worst = self._bounded(at_rest, rows, np.zeros(len(rows)))
+        worst = self._at_rest(cell)
         for push in placement_pushes(cell, self.cells, physics):
             verdict, _, _ = self._withstand(cell, push, _ENOUGH * self._pull)
             worst = min(worst, verdict, key=lambda v: v.margin)
@@ -162,15 +168,23 @@ class Growth:
             each[np.searchsorted(every, rows)] = wrenches
             rest += share / len(found) * each
         witness.bear(every, rest)
-        if worst.margin < 1.0 / self._pull:
-            # It was strained while the part was pressed in; that is past.
-            self._relax(cell)
-        return worst
+        return min(worst, self._at_rest(cell), key=lambda v: v.margin)
 
-    def _relax(self, cell: Cell) -> None:
-        rows, solution = self._witness.solve(self._piece(cell), cell, np.zeros(6))
-        if not math.isinf(solution.pull):
-            self._witness.bear(rows, solution.wrenches)
+    def _at_rest(self, cell: Cell) -> Verdict:
+        """The state at rest, by the witness; exactly where that says too little."""
+        witness = self._witness
+        pull = witness.need
+        if pull > self._pull and self._thorough:
+            piece = self._piece(cell)
+            rows, solution = witness.solve(piece, cell, np.zeros(6))
+            if math.isinf(solution.pull):
+                self._balanced = False
+                return to_verdict(solution, sorted(piece))
+            witness.bear(rows, solution.wrenches)
+            pull = witness.need
+            if solution.pull > max(self._pull, witness.need_outside(rows)):
+                return to_verdict(solution, sorted(piece))
+        return self._bounded(pull, np.empty(0, dtype=np.int64), np.empty(0))
 
     def _withstand(
         self, cell: Cell, push: Floats, enough: float = 0.0
@@ -187,23 +201,28 @@ class Growth:
             if pull <= self._pull:
                 verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
                 return verdict, rows, solution.wrenches
-        self._pull = min(max(self._pull, solution.pull), 1.0 / self.physics.least_margin)
-        return self._exact(solution, region), rows, solution.wrenches
+        pull = max(solution.pull, witness.need_outside(rows))
+        self._pull = min(max(self._pull, pull), 1.0 / self.physics.least_margin)
+        exact = self._thorough and solution.pull >= witness.need_outside(rows)
+        if exact or math.isinf(pull):
+            return to_verdict(solution, sorted(region)), rows, solution.wrenches
+        verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
+        return verdict, rows, solution.wrenches
 
     def _regions(self, cell: Cell) -> Iterator[tuple[set[Cell], bool]]:
         """Ever larger surroundings of a cell, and whether they are all that it is joined to."""
         distance = self._support_distance(cell)
         for reach in _REACHES:
             yield self._around(cell, distance + reach), False
-        yield self._piece(cell), True
+        if self._thorough:
+            yield self._piece(cell), True
 
     def _support_distance(self, cell: Cell) -> int:
         """Steps through joints to the nearest cell that stands on a column."""
         seen, front, steps = {cell}, [cell], 0
         while front and not any(c in self._rooted for c in front):
-            front = list(
-                {n for c in front for n in c.neighbours() if n in self._witness.cells} - seen
-            )
+            near = {beside for one in front for beside in one.neighbours()}
+            front = list((near & self._witness.cells) - seen)
             seen.update(front)
             steps += 1
         return steps
@@ -213,9 +232,8 @@ class Growth:
         cells = self._witness.cells
         seen, front = {cell}, {cell}
         for _ in range(steps):
-            front = {
-                n for c in front for n in c.neighbours() if n in cells and n.z >= cell.z - 1
-            } - seen
+            near = {beside for one in front for beside in one.neighbours()}
+            front = {one for one in near & cells if one.z >= cell.z - 1} - seen
             seen |= front
         for one in list(seen):
             below = one.below()
@@ -235,14 +253,11 @@ class Growth:
                     front.append(beside)
         return seen
 
-    def _exact(self, solution: Solution, region: set[Cell]) -> Verdict:
-        return to_verdict(solution, sorted(region))
-
     def _bounded(self, pull: float, rows: Ints, needs: Floats) -> Verdict:
         """A verdict by a witness: its most strained joint is the weakest that is known."""
         if pull <= 0.0:
             return STANDS
-        if needs.max() < self._witness.need_outside(rows):
+        if needs.max(initial=0.0) < self._witness.need_outside(rows):
             weakest = self._witness.most_strained()
         else:
             weakest = self._witness.joint(int(rows[needs.argmax()]))

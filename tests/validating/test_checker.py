@@ -1,0 +1,155 @@
+"""The judge passes good plans, and names what is wrong with broken ones."""
+
+from __future__ import annotations
+
+import pytest
+
+from cellctl.assembly import Cell, Check, StepKind
+from cellctl.config import CellConfig
+from cellctl.generating.boxes import Box
+from cellctl.validating.checker import verify
+from cellctl.validating.checker_statics import stands
+from cellctl.validating.stability import Physics, assess
+from tests.validating.plans import plan_of
+from tests.validating.shapes import CONFIG, cells_of
+from tests.validating.solids import random_solid
+
+BENCH = (
+    *(Cell(x, 0, z) for z in range(2) for x in (0, 3)),
+    *(Cell(x, 0, 2) for x in (0, 1, 3, 2)),
+)
+"""Two legs of two parts, and a seat of four that is closed in the middle."""
+
+
+def failed(checks: tuple[Check, ...]) -> dict[str, tuple[Cell, ...]]:
+    return {check.name: check.cells for check in checks if not check.passed}
+
+
+def stability(**options: object) -> CellConfig:
+    changed = CONFIG.stability.model_copy(update=options)
+    return CONFIG.model_copy(update={"stability": changed})
+
+
+def test_a_good_plan_passes_every_check() -> None:
+    checks = verify(plan_of(BENCH), CONFIG)
+    assert failed(checks) == {}
+    assert [check.name for check in checks] == [
+        "steps",
+        "inventory",
+        "workspace",
+        "grounding",
+        "access",
+        "stability",
+        "end shape",
+    ]
+
+
+def test_swapped_steps_leave_a_part_in_the_air() -> None:
+    order = list(BENCH)
+    order[4], order[5] = order[5], order[4]  # the seat's second part before its first
+    assert failed(verify(plan_of(order), CONFIG))["grounding"] == (Cell(1, 0, 2),)
+
+
+def test_a_part_beneath_another_cannot_be_placed() -> None:
+    order = (Cell(0, 0, 0), Cell(0, 0, 1), Cell(1, 0, 1), Cell(1, 0, 0))
+    assert failed(verify(plan_of(order), CONFIG)) == {"access": (Cell(1, 0, 0),)}
+
+
+def test_a_gripper_wider_than_a_cell_needs_its_neighbours_lower() -> None:
+    tool = CONFIG.tool.model_copy(update={"width_m": 0.13})
+    wide = CONFIG.model_copy(update={"tool": tool})
+    order = (Cell(0, 0, 0), Cell(0, 0, 1), Cell(1, 0, 0))
+    assert failed(verify(plan_of(order), CONFIG)) == {}
+    assert failed(verify(plan_of(order), wide)) == {"access": (Cell(1, 0, 0),)}
+
+
+def test_the_wrist_needs_room_above_the_gripper() -> None:
+    order = (*(Cell(0, 0, z) for z in range(3)), Cell(1, 0, 0))
+    assert failed(verify(plan_of(order), CONFIG)) == {"access": (Cell(1, 0, 0),)}
+
+
+def test_a_missing_part_and_one_too_many_differ_from_the_end_shape() -> None:
+    assert failed(verify(plan_of(BENCH, end=BENCH[:-1]), CONFIG)) == {"end shape": (BENCH[-1],)}
+    more = (*BENCH, Cell(5, 4, 0))
+    assert failed(verify(plan_of(BENCH, end=more), CONFIG)) == {"end shape": (more[-1],)}
+
+
+def test_more_parts_than_there_are() -> None:
+    assert failed(verify(plan_of(BENCH), CONFIG, parts=7)) == {"inventory": (BENCH[-1],)}
+
+
+def test_parts_that_are_taken_down_can_be_placed_again() -> None:
+    place, remove = StepKind.PLACE, StepKind.REMOVE
+    order = (Cell(0, 0, 0), Cell(0, 0, 0), Cell(2, 0, 0))
+    moved = plan_of(order, kinds=(place, remove, place), end=order[2:])
+    assert failed(verify(moved, CONFIG, parts=1)) == {}
+
+
+def test_what_stands_before_is_taken_into_account() -> None:
+    standing = frozenset(BENCH[:4])
+    assert failed(verify(plan_of(BENCH[4:], end=BENCH), CONFIG, standing=standing)) == {}
+    assert "grounding" in failed(verify(plan_of(BENCH[4:], end=BENCH), CONFIG))
+
+
+def test_taking_a_part_that_holds_others_is_refused() -> None:
+    standing = frozenset({Cell(0, 0, 0), Cell(0, 0, 1), Cell(1, 0, 1)})
+    taken = plan_of((Cell(0, 0, 1),), kinds=(StepKind.REMOVE,), end=standing - {Cell(0, 0, 1)})
+    wrong = failed(verify(taken, CONFIG, standing=standing))
+    assert wrong["grounding"] == (Cell(1, 0, 1),)
+    assert wrong["stability"] == (Cell(0, 0, 1),)
+
+
+def test_cells_outside_and_steps_on_occupied_cells() -> None:
+    order = (Cell(0, 0, 0), Cell(0, 0, 0), Cell(6, 0, 0))
+    wrong = failed(verify(plan_of(order), CONFIG))
+    assert wrong["workspace"] == (Cell(6, 0, 0),)
+    assert wrong["steps"] == (Cell(0, 0, 0),)
+
+
+def test_steps_are_numbered_without_gaps() -> None:
+    assert "steps" in failed(verify(plan_of(BENCH, index_from=1), CONFIG))
+
+
+def test_a_plan_for_other_parts_is_refused() -> None:
+    other = plan_of(BENCH).model_copy(update={"pitch_m": 0.05})
+    assert "workspace" in failed(verify(other, CONFIG))
+
+
+def test_an_overlong_row_over_nothing_is_refused() -> None:
+    column = tuple(Cell(0, 0, z) for z in range(3))
+    row = tuple(Cell(x, 0, 2) for x in range(1, 5))
+    assert failed(verify(plan_of((*column, *row[:3])), CONFIG)) == {}
+    assert failed(verify(plan_of((*column, *row)), CONFIG)) == {"stability": (row[3],)}
+
+
+def test_a_lone_column_of_five_is_refused() -> None:
+    column = tuple(Cell(0, 0, z) for z in range(5))
+    assert failed(verify(plan_of(column[:4]), CONFIG)) == {}
+    assert failed(verify(plan_of(column), CONFIG)) == {"stability": (column[4],)}
+
+
+def test_a_larger_margin_is_asked_for_as_configured() -> None:
+    column = tuple(Cell(0, 0, z) for z in range(4))
+    assert "stability" in failed(verify(plan_of(column), stability(least_margin=1.3)))
+
+
+@pytest.mark.parametrize("contact", ["diamond", "square"])
+@pytest.mark.parametrize("floor", ["grips", "bare"])
+@pytest.mark.parametrize("seed", range(8))
+def test_both_formulations_agree_on_any_state(seed: int, contact: str, floor: str) -> None:
+    config = stability(contact=contact, floor=floor)
+    cells = random_solid(seed, (5, 4, 4))
+    pressed = max(cells, key=lambda c: (c.z, c.x, c.y))
+    for part in (None, pressed):
+        margin = assess(cells, Physics.of(config), part).margin
+        for share in (0.98, 1.02):
+            # Weaker magnets, down to what the state just needs, and a little less.
+            needed_n = config.stability.magnet_force_n / max(min(margin, 1e3), 1e-3)
+            other = stability(contact=contact, floor=floor, magnet_force_n=needed_n * share)
+            if 0.0 < margin < 1e3:
+                assert stands(cells, other, part) is (share > 1.0)
+        assert stands(cells, config, part) is (margin >= 1.0)
+
+
+def test_a_block_stands_without_magnets() -> None:
+    assert stands(cells_of(Box(0, 0, 0, 2, 2, 2)), stability(magnet_force_n=0.001))
