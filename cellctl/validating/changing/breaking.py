@@ -11,6 +11,8 @@ joint what happens there:
 - its faces *slide*: friction drags the neighbour along;
 - its faces would press into each other: the part cannot move so.
 
+The magnets' force falls off within millimetres, so only the beginning of the movement counts.
+
 This is the mechanism of limit analysis for joints whose limit is known (Livesley, 1978), except
 that friction does not dilate: pressing between the faces is that of their own magnets.
 """
@@ -18,13 +20,14 @@ that friction does not dilate: pressing between the faces is that of their own m
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from cellctl.assembly import Cell
-from cellctl.validating.rules import Cells
+from cellctl.validating.rules import Cells, lateral
 from cellctl.validating.stability import Physics
 
 Floats = npt.NDArray[np.float64]
@@ -33,6 +36,12 @@ _STILL = 1e-9
 """Speeds below this are rounding; the part moves with 1 pitch or 1 radian in the unit of time."""
 
 _TOWARDS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+Effect = tuple[float | bytes, ...]
+"""A movement's force and loads: what tells two movements apart."""
+
+How = Literal["pull", "peel", "twist"]
 
 
 class Hinge(NamedTuple):
@@ -48,8 +57,8 @@ class Hinge(NamedTuple):
 class Way(NamedTuple):
     """A movement by which a part may come off."""
 
-    how: Literal["pull", "peel"]
-    """``pull``: straight up; ``peel``: turned a little first."""
+    how: How
+    """``pull``: straight up; ``peel``: tilted first; ``twist``: turned about the vertical first."""
     direction: tuple[int, int] | None = None
     """Of a peel: where the part's top goes, along x, y or a diagonal."""
     hinge: Hinge | None = None
@@ -63,20 +72,22 @@ class Breaking(NamedTuple):
 
     way: Way
     force_n: float
-    """Of the arm, the part's weight included: straight up; of a peel, its couple divided by the
-    part's edge."""
+    """Of the arm, the part's weight included: straight up; of a peel or twist, its couple divided
+    by the part's edge."""
     loads: dict[Cell, Floats]
     """What each neighbour feels: (6,), force in N and moment about its centre in N m."""
 
 
 PULL = Way("pull")
 
+TWIST = Way("twist")
+
 _BETWEEN = Hinge(0.4, 1.0)
 """For a part that hangs at one neighbour and rubs on another: the joint of the latter bears the
 drag better than with the hinge at the edge, where it would be lifted, or at the middle, where it
 would be drawn off."""
 
-_TWIST = Hinge(0.15, 0.0)
+_ASTRIDE = Hinge(0.15, 0.0)
 """For a part between two neighbours: it turns between them, and lifts just enough to carry the
 neighbours' own weight."""
 
@@ -84,7 +95,8 @@ neighbours' own weight."""
 class _Face(NamedTuple):
     """One joint of a part whose centre is the origin."""
 
-    neighbour: Cell
+    neighbour: Cell | None
+    """Seen from the part; None for the floor."""
     normal: Floats
     """From the part to the neighbour, (3,)."""
     pull_n: float
@@ -92,31 +104,54 @@ class _Face(NamedTuple):
 
 
 def breakings(cells: Cells, cell: Cell, physics: Physics) -> tuple[Breaking, ...]:
-    """Every movement that the part can make, the gentlest (least force) first.
+    """Every movement that the part can make, the gentlest (least force) first, and twisting last.
+
+    A twist asks least of the arm, but parts the faces least too: it is for where nothing else
+    serves.
 
     Args:
         cells: what stands, ``cell`` included.
         cell: the part to take.
         physics: what holds it.
     """
-    faces = tuple(_faces(cells, cell, physics))
-    found = (
-        _breaking(faces, way, physics) for way in _ways(physics) if _may_tilt(cells, cell, way)
+    sides = tuple(
+        Cell(*np.subtract(neighbour, cell).tolist())
+        for neighbour in cell.neighbours()
+        if neighbour.z < 0 or neighbour in cells
     )
-    distinct: dict[bytes, Breaking] = {}
-    for breaking in found:
+    found: dict[Effect, Breaking] = {}
+    for effect, breaking in _with_sides(sides, cell.z == 0, physics):
+        # A hinge in mid-air may be below or above, with the same effect: the first serves that
+        # has room.
+        if effect not in found and _may_tilt(cells, cell, breaking.way):
+            loads = {
+                Cell(cell.x + side.x, cell.y + side.y, cell.z + side.z): load
+                for side, load in breaking.loads.items()
+            }
+            found[effect] = breaking._replace(loads=loads)
+    return tuple(found.values())
+
+
+@lru_cache(maxsize=256)
+def _with_sides(
+    sides: tuple[Cell, ...], floor: bool, physics: Physics
+) -> tuple[tuple[Effect, Breaking], ...]:
+    """As ``breakings``, of a part at [0, 0, 0] with these neighbours and all room to tilt."""
+    faces = tuple(_faces(sides, floor, physics))
+    found: list[tuple[Effect, Breaking]] = []
+    for way in _ways(physics):
+        breaking = _breaking(faces, way, physics)
         if breaking is not None:
-            # A hinge in mid-air may be below or above; the joints feel the same.
-            felt = [breaking.loads[other].round(9) + 0.0 for other in sorted(breaking.loads)]
-            key = np.concatenate([*felt, [round(breaking.force_n, 9)]]).tobytes()
-            distinct.setdefault(key, breaking)
+            felt = [(load.round(9) + 0.0).tobytes() for load in breaking.loads.values()]
+            found.append(((round(breaking.force_n, 6), *felt), breaking))
     # Rounding must not decide between two movements that are alike: then their order does.
-    return tuple(sorted(distinct.values(), key=lambda breaking: round(breaking.force_n, 6)))
+    return tuple(sorted(found, key=lambda one: (one[1].way == TWIST, one[0][0])))
 
 
 def _ways(physics: Physics) -> Iterator[Way]:
     """Every movement that is considered."""
     yield PULL
+    yield TWIST
     for direction in _TOWARDS:
         # A diagonal edge of the contact is a side of the square that stands on its corner, or the
         # corner of a whole face.
@@ -127,11 +162,14 @@ def _ways(physics: Physics) -> Iterator[Way]:
         yield Way("peel", direction, Hinge(edge, 1.0))
         if not all(direction):
             yield Way("peel", direction, _BETWEEN)
-            yield Way("peel", direction, _TWIST)
+            yield Way("peel", direction, _ASTRIDE)
 
 
 def _may_tilt(cells: Cells, cell: Cell, way: Way) -> bool:
     """Whether part and gripper have room to tilt, apart from the part's own joints."""
+    if way == TWIST:
+        leaning = {(beside.x, beside.y) for beside in lateral(cell)}
+        return not any(other.z > cell.z and (other.x, other.y) in leaning for other in cells)
     if way.direction is None or way.hinge is None:
         return True
     dx, dy = way.direction
@@ -144,13 +182,12 @@ def _may_tilt(cells: Cells, cell: Cell, way: Way) -> bool:
     return not (dx and dy and Cell(cell.x + sign * dx, cell.y + sign * dy, cell.z) in cells)
 
 
-def _faces(cells: Cells, cell: Cell, physics: Physics) -> Iterator[_Face]:
-    for neighbour in cell.neighbours():
-        floor = neighbour.z < 0
-        if floor or neighbour in cells:
-            held = physics.floor_grips or not floor
-            normal = np.subtract(neighbour, cell).astype(np.float64)
-            yield _Face(neighbour, normal, physics.magnet_force_n if held else 0.0)
+def _faces(sides: tuple[Cell, ...], floor: bool, physics: Physics) -> Iterator[_Face]:
+    for side in sides:
+        rests = floor and side.z < 0
+        held = physics.floor_grips or not rests
+        normal = np.array(side, dtype=np.float64)
+        yield _Face(None if rests else side, normal, physics.magnet_force_n if held else 0.0)
 
 
 def _breaking(faces: tuple[_Face, ...], way: Way, physics: Physics) -> Breaking | None:
@@ -187,10 +224,11 @@ def _breaking(faces: tuple[_Face, ...], way: Way, physics: Physics) -> Breaking 
                 work += drag_n * float(np.hypot(np.linalg.norm(along), twist))
             force += pressing
             moment += np.cross(contact - centre, pressing)
-        if face.neighbour.z >= 0:
+        if face.neighbour is not None:
             # The neighbour's centre lies half a pitch behind the face.
             about_centre = moment + np.cross(-half_m * face.normal, force)
             loads[face.neighbour] = np.concatenate([force, about_centre])
+            loads[face.neighbour].flags.writeable = False  # shared by all parts alike
     lever_m = 1.0 if way.how == "pull" else physics.pitch_m
     return Breaking(way, work / lever_m, loads)
 
@@ -206,6 +244,8 @@ class _Velocity(NamedTuple):
     @classmethod
     def of(cls, way: Way, physics: Physics) -> _Velocity:
         up = np.array([0.0, 0.0, 1.0])
+        if way == TWIST:
+            return cls(np.zeros(3), up)
         if way.direction is None or way.hinge is None:
             return cls(up, np.zeros(3))
         towards = np.array([*way.direction, 0.0]) / np.hypot(*way.direction)

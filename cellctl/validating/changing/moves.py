@@ -14,7 +14,7 @@ from cellctl.validating.changing.removal import Removal, assess_removal
 from cellctl.validating.rules import Cells, lateral, supported
 from cellctl.validating.stability import Physics, Verdict, assess
 
-_ATTEMPTS_A_MOVE = 5
+_ATTEMPTS_A_MOVE = 3
 """How many removals and placements are judged for each that is made, before a search ends."""
 
 _COMFORTABLE = 1.05
@@ -114,7 +114,7 @@ def find_moves(
         PlanError: there is no such order, or none was found.
     """
     total = len(removing) + len(placing)
-    budget = judge.judged + _ATTEMPTS_A_MOVE * total + 60
+    budget = judge.judged + _ATTEMPTS_A_MOVE * total + 40
     if judge.limit is not None:
         budget = min(budget, judge.limit)
     dead: set[tuple[Cells, Cells]] = set()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step
@@ -155,15 +156,15 @@ def _checks(moves: Sequence[Move], config: CellConfig) -> tuple[Check, ...]:
     removals = [move.removal for move in moves if move.removal is not None]
     if not removals:
         return (stability,)
-    peeled = sum(removal.how == "peel" for removal in removals)
+    ways = Counter(removal.how for removal in removals)
     most_n = max(removal.force_n for removal in removals)
     return (
         stability,
         Check(
             name="removal",
             passed=True,
-            message=f"{peeled} parts are peeled off and {len(removals) - peeled} pulled; the arm "
-            f"needs {most_n:.0f} N at most.",
+            message=f"{ways['peel']} parts are peeled off, {ways['twist']} twisted and "
+            f"{ways['pull']} pulled; the arm needs {most_n:.0f} N at most.",
         ),
     )
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from cellctl.assembly import Cell
-from cellctl.validating.changing.breaking import PULL, Breaking, Hinge, breakings
+from cellctl.validating.changing.breaking import PULL, Breaking, Hinge, How, breakings
 from cellctl.validating.rules import Cells, pieces
 from cellctl.validating.stability import Physics, Verdict, assess
 from cellctl.validating.stability.assess import STANDS, as_array, to_verdict
@@ -16,8 +16,8 @@ class Removal(NamedTuple):
     """One part that goes back to the belt, and how it comes off."""
 
     cell: Cell
-    how: Literal["pull", "peel"]
-    """``pull``: straight up; ``peel``: turned a little first, then straight up."""
+    how: How
+    """``pull``: straight up; ``peel``: tilted first; ``twist``: turned about the vertical first."""
     direction: tuple[int, int] | None
     """Of a peel: where the part's top goes, along x, y or a diagonal."""
     hinge: Hinge | None
@@ -26,7 +26,7 @@ class Removal(NamedTuple):
     """How many times stronger the rest's magnets are than it needs, while this part comes off and
     after; infinite where it needs none."""
     force_n: float
-    """What the arm applies: upward; of a peel, its couple divided by the part's edge."""
+    """What the arm applies: upward; of a peel or twist, its couple divided by the part's edge."""
 
 
 class Attempt(NamedTuple):
