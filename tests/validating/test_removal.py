@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Literal
 
 import pytest
 
@@ -54,14 +55,17 @@ def test_a_straight_pull_takes_the_magnets_the_friction_and_the_weight() -> None
     assert pull_n(top, under, *beside) == pytest.approx(F + MU * F + WEIGHT)
 
 
-def test_a_peel_takes_half_of_it_and_leaves_the_neighbour_a_couple() -> None:
-    peel = breakings(column(2), Cell(0, 0, 1), PHYSICS)[0]
+@pytest.mark.parametrize(("contact", "nearer"), [("square", 1.0), ("diamond", math.sqrt(2))])
+def test_a_peel_takes_half_of_it_and_leaves_the_neighbour_a_couple(
+    contact: Literal["square", "diamond"], nearer: float
+) -> None:
+    peel = breakings(column(2), Cell(0, 0, 1), dataclasses.replace(PHYSICS, contact=contact))[0]
     assert peel.way.how == "peel"
-    # Along a diagonal the hinge is a side of the contact's square, nearer to its centre.
-    assert peel.force_n == pytest.approx((F + WEIGHT) / 2 / math.sqrt(2))
+    # The hinge is a side of the contact: of a square on its corner, nearer to its centre.
+    assert peel.force_n == pytest.approx((F + WEIGHT) / 2 / nearer)
     load = peel.loads[Cell(0, 0, 0)]
     assert load[:3] == pytest.approx([0.0, 0.0, 0.0])
-    assert math.hypot(*load[3:5]) == pytest.approx(F * PHYSICS.pitch_m / 2 / math.sqrt(2))
+    assert math.hypot(*load[3:5]) == pytest.approx(F * PHYSICS.pitch_m / 2 / nearer)
 
 
 @pytest.mark.parametrize("height", [2, 3, 5])
