@@ -10,9 +10,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from cellctl.assembly import Assembly, Role
 from cellctl.cli.daemon_process import DaemonProcess, running_daemon, wait_idle
-from cellctl.client import CellClient
+from cellctl.client import CellClient, NoDaemonError
 from cellctl.config import CellConfig, load_config
 from cellctl.messages import (
     CountCommand,
@@ -60,12 +62,15 @@ class RunningCell:
         """Wait until the snapshot is as wanted; keeps every status message on the way."""
         deadline_s = time.monotonic() + self.patience_s
         while True:
-            snapshot = self.client.snapshot()
+            try:
+                snapshot = self.client.snapshot()
+            except NoDaemonError as error:
+                pytest.fail(f"{error} Waited for {what}.\n{self.daemon.log_tail(8000)}")
             if holds(snapshot):
                 return snapshot
             assert time.monotonic() < deadline_s, (
                 f"waited in vain for {what}; state {snapshot.state.state}, "
-                f"fault {snapshot.fault}, job {snapshot.job}"
+                f"fault {snapshot.fault}, job {snapshot.job}\n{self.daemon.log_tail()}"
             )
             self.listen()
 

@@ -148,7 +148,7 @@ class Life:
             entry = snapshot.fault.entry
             assert entry is None or entry.code in BUSY, f"{state}: {snapshot.fault}"
             try:
-                if state == "fault_stopped":
+                if state in {"fault_held", "fault_stopped"}:
                     self.client.command("reset")
                 elif state == "paused_resting":
                     self.client.command("resume")
