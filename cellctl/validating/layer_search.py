@@ -15,6 +15,9 @@ from cellctl.validating.rules import Cells, lateral
 from cellctl.validating.stability import Verdict
 from cellctl.validating.stability.growth import Growth
 
+_LARGE = 4000
+"""Proofs times parts that stand, at most: each proof takes longer the more they are."""
+
 
 class Search(NamedTuple):
     """How hard to search."""
@@ -52,7 +55,8 @@ def search_layer(
         effort: how hard to search.
         avoid_tight: give up where a part would have to go between two others.
     """
-    if effort.beam * len(layer) > effort.proofs:
+    most_proofs = min(effort.proofs, _LARGE // max(1, len(start.cells)))
+    if effort.beam * len(layer) > most_proofs:
         return None
     beam = [Partial((), (), start, 0)]
     proofs = 0
@@ -60,7 +64,7 @@ def search_layer(
         longer: dict[frozenset[Cell], Partial] = {}
         for partial in beam:
             for cell in _next_cells(layer, partial, effort.branches, avoid_tight=avoid_tight):
-                if proofs >= effort.proofs:
+                if proofs >= most_proofs:
                     return None
                 proofs += 1
                 growth = partial.growth.copy()

@@ -153,7 +153,7 @@ class Growth:
         worst = STANDS
         found: list[tuple[Ints, Floats]] = []
         for push in placement_pushes(cell, self.cells, physics):
-            verdict, rows, wrenches = self._withstand(cell, push)
+            verdict, rows, wrenches = self._withstand(cell, push, _ENOUGH * self._pull)
             worst = min(worst, verdict, key=lambda v: v.margin)
             if verdict.margin == 0.0:
                 self._balanced = False
