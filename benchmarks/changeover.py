@@ -72,9 +72,10 @@ def changes() -> None:
         took_s = time.process_time() - began_s
         total = found.moves + found.moves_saved
         moves, anew = moves + found.moves, anew + total
+        share = found.moves_saved / total
         say(
-            f"{before:<11} {after:<11} {total:>5} {found.moves:>6} {found.moves_saved / total:>6.0%}"
-            f" {len(found.kept):>5} {took_s:>6.2f} s"
+            f"{before:<11} {after:<11} {total:>5} {found.moves:>6} {share:>6.0%} "
+            f"{len(found.kept):>5} {took_s:>6.2f} s"
         )
     say(f"{'all':<23} {anew:>5} {moves:>6} {1 - moves / anew:>6.0%}\n")
 

@@ -1,63 +1,55 @@
-"""Structures for the tests of removal: the paper's kind of furniture, and random ones that can be
-built part by part."""
+"""Random objects like furniture, for proofs about any shape."""
 
 from __future__ import annotations
 
-import random
+from random import Random
 
 from cellctl.assembly import Cell
-from cellctl.validating.access import Gripper
-from cellctl.validating.rules import Cells, lateral, supported
-from cellctl.validating.stability import Physics, assess
-from tests.validating.shapes import CONFIG
+from cellctl.validating.rules import pieces, supported
 
-PHYSICS = Physics.of(CONFIG)
-GRIPPER = Gripper.of(CONFIG)
-GRID = CONFIG.grid
+_GRID = (6, 5, 6)
 
 
-def shelf(width: int, height: int, *tiers: int) -> Cells:
-    """Two side panels two deep, and tiers at these heights."""
-    return frozenset(
-        Cell(x, y, z)
-        for x in range(width)
-        for y in range(2)
-        for z in range(height)
-        if x in (0, width - 1) or z in tiers
-    )
+def random_solid(seed: int, grid: tuple[int, int, int] = _GRID) -> frozenset[Cell]:
+    """Boxes like legs, seats, walls and lumps that hang together and can be laid from above.
+
+    Nothing says that it stands.
+    """
+    random = Random(seed)  # noqa: S311 - shapes, not secrets
+    cells: set[Cell] = set()
+    for _ in range(random.randint(1, 6)):
+        kind = random.choice(("leg", "slab", "wall", "lump"))
+        spans = [_span(random, size) for size in grid]
+        if kind == "leg":
+            spans[0] = (spans[0][0], spans[0][0])
+            spans[1] = (spans[1][0], spans[1][0])
+            spans[2] = (0, spans[2][1])
+        elif kind == "slab":
+            spans[2] = (spans[2][1], spans[2][1])
+        elif kind == "wall":
+            axis = random.randint(0, 1)
+            spans[axis] = (spans[axis][0], spans[axis][0])
+            spans[2] = (0, spans[2][1])
+        (x0, x1), (y0, y1), (z0, z1) = spans
+        cells |= {
+            Cell(x, y, z)
+            for x in range(x0, x1 + 1)
+            for y in range(y0, y1 + 1)
+            for z in range(z0, z1 + 1)
+        }
+    return laid_from_above(cells) or frozenset({Cell(0, 0, 0)})
 
 
-def table(width: int, depth: int, height: int) -> Cells:
-    """A top on four legs at its corners."""
-    return frozenset(
-        Cell(x, y, z)
-        for x in range(width)
-        for y in range(depth)
-        for z in range(height)
-        if z == height - 1 or (x in (0, width - 1) and y in (0, depth - 1))
-    )
+def laid_from_above(cells: set[Cell]) -> frozenset[Cell]:
+    """What can be laid layer by layer, and of that the largest piece."""
+    laid: set[Cell] = set()
+    for z in range(max((cell.z for cell in cells), default=-1) + 1):
+        for piece in pieces(cell for cell in cells if cell.z == z):
+            if any(supported(cell, frozenset(laid)) for cell in piece):
+                laid |= piece
+    return pieces(laid)[0] if laid else frozenset()
 
 
-def column(height: int) -> Cells:
-    return frozenset(Cell(0, 0, z) for z in range(height))
-
-
-def buildable(seed: int, parts: int) -> Cells:
-    """A random structure that grew part by part, each state standing."""
-    dice = random.Random(seed)  # noqa: S311 - reproducible shapes, not secrets
-    cells: set[Cell] = {Cell(dice.randrange(GRID[0]), dice.randrange(GRID[1]), 0)}
-    for _ in range(20 * parts):
-        if len(cells) >= parts:
-            break
-        beside = dice.choice(dice.choice(sorted(cells)).neighbours())
-        if beside in cells or not _within(beside) or GRIPPER.blockers(beside, cells):
-            continue
-        grown = frozenset(cells | {beside})
-        held = supported(beside, grown) or any(b in cells for b in lateral(beside))
-        if held and assess(grown, PHYSICS, beside).margin >= PHYSICS.least_margin:
-            cells.add(beside)
-    return frozenset(cells)
-
-
-def _within(cell: Cell) -> bool:
-    return all(0 <= index < count for index, count in zip(cell, GRID, strict=True))
+def _span(random: Random, size: int) -> tuple[int, int]:
+    low, high = sorted((random.randrange(size), random.randrange(size)))
+    return low, high

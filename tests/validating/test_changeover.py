@@ -8,10 +8,11 @@ from cellctl.assembly import Cell, StepKind
 from cellctl.errors import PlanError
 from cellctl.validating.changing import Belt, ChangeOver, change_over, plan_change_over
 from cellctl.validating.changing.alignment import Transform, alignments
+from cellctl.validating.checker import verify
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import assess
 from tests.validating.shapes import CONFIG
-from tests.validating.solids import GRID, GRIPPER, PHYSICS, buildable, column, shelf, table
+from tests.validating.structures import GRID, GRIPPER, PHYSICS, buildable, column, shelf, table
 
 
 def replay(standing: Cells, wanted: Cells, found: ChangeOver) -> None:
@@ -116,7 +117,9 @@ def test_random_change_overs_arrive(seed: int) -> None:
     before, after = buildable(seed, 8 + seed), buildable(50 + seed, 12 - seed)
     found = change_over(before, after, GRID, PHYSICS, GRIPPER)
     replay(before, after, found)
-    assert found == change_over(before, after, GRID, PHYSICS, GRIPPER)
+    plan = plan_change_over(before, after, CONFIG)
+    assert tuple(step.cell for step in plan.steps) == tuple(step.cell for step in found.steps)
+    assert [check.name for check in verify(plan, CONFIG, standing=before) if not check.passed] == []
 
 
 @pytest.mark.soak
@@ -131,6 +134,8 @@ def test_hundreds_of_random_change_overs_arrive() -> None:
             refused.append(seed)
             continue
         replay(before, after, found)
+        judged = verify(plan_change_over(before, after, CONFIG), CONFIG, standing=before)
+        assert all(check.passed for check in judged), (seed, judged)
     assert len(refused) <= 40, refused
 
 
@@ -147,3 +152,8 @@ def test_the_plan_of_a_change_over_says_what_stays() -> None:
     )
     assert len(plan.assembly.cells) == len(after)
     assert all(step.clearance_m is None and step.duration_s is None for step in plan.steps)
+
+
+def test_a_full_belt_is_named_where_parts_must_come_off() -> None:
+    with pytest.raises(PlanError, match="The belt is full; 2 parts"):
+        change_over(column(3), column(1), GRID, PHYSICS, GRIPPER, belt=Belt(40, 40))

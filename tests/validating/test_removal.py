@@ -13,10 +13,11 @@ from cellctl.errors import PlanError
 from cellctl.validating.changing import Removal, assess_removal, plan_removal, removal_order
 from cellctl.validating.changing.breaking import PULL, TWIST, breakings
 from cellctl.validating.changing.removal import pull_of, while_breaking
+from cellctl.validating.checker import verify
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import assess
 from tests.validating.shapes import CONFIG
-from tests.validating.solids import GRIPPER, PHYSICS, buildable, column, shelf, table
+from tests.validating.structures import GRIPPER, PHYSICS, buildable, column, shelf, table
 
 F, WEIGHT, MU = PHYSICS.magnet_force_n, PHYSICS.weight_n, PHYSICS.friction
 BARE = dataclasses.replace(PHYSICS, floor_grips=False)
@@ -146,6 +147,8 @@ def test_random_structures_come_apart(seed: int) -> None:
     order = removal_order(cells, PHYSICS, GRIPPER)
     replay(cells, order)
     assert order == removal_order(cells, PHYSICS, GRIPPER)
+    plan = plan_removal(cells, CONFIG)
+    assert [check.name for check in verify(plan, CONFIG, standing=cells) if not check.passed] == []
 
 
 @pytest.mark.soak
@@ -160,6 +163,8 @@ def test_thousands_of_random_structures_come_apart() -> None:
             refused.append(seed)
             continue
         replay(cells, order)
+        judged = verify(plan_removal(cells, CONFIG), CONFIG, standing=cells)
+        assert all(check.passed for check in judged), (seed, judged)
     # Some structures can be built and not be taken apart: pressing a part on loads the rest
     # less than breaking its joints does.
     assert len(refused) <= 40, refused
@@ -175,6 +180,7 @@ def test_the_plan_of_a_removal_is_complete_and_says_what_was_proven() -> None:
     assert plan.parts == 0
     assert [check.name for check in plan.checks] == ["stability", "removal"]
     assert all(check.passed for check in plan.checks)
+    assert all(check.passed for check in verify(plan, CONFIG, standing=cells))
     assert plan.plan_id == plan_removal(cells, CONFIG).plan_id
 
 

@@ -110,12 +110,14 @@ def _at(place: Alignment, standing: Cells, judge: Judge, belt: Belt | None) -> C
     Raises:
         PlanError: there is none even if nothing is kept.
     """
+    refused: PlanError | None = None
     while True:
         try:
             steps = _steps(place, standing, judge, belt)
-        except PlanError:
+        except PlanError as error:
+            refused = refused or error
             if not place.kept:
-                raise
+                raise refused from error
             place = _attainable(_fewer(place, judge), standing, judge.gripper)
             continue
         saved = len(standing) + len(place.wanted) - len(steps)

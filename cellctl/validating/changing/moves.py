@@ -186,14 +186,23 @@ def _moves(state: _State, judge: Judge) -> Iterator[Move]:
 
 def _stuck(state: _State, judge: Judge) -> PlanError:
     """Why the search ended, as seen from the state nearest to the goal."""
-    what = "taken away" if state.removing else "placed"
-    left = sorted(state.removing or state.placing, key=lambda c: (-c.z, c.x, c.y))
-    tried = [cell for cell in left if cell in judge.refusals]
+    belt, left = state.belt, state.removing or state.placing
+    if belt is not None and state.removing and belt.parts >= belt.capacity:
+        return PlanError(
+            f"The belt is full; {len(left)} parts that must come off have no room on it.",
+            "Take parts off the belt and count them first.",
+        )
+    ordered = sorted(left, key=lambda c: (-c.z, c.x, c.y))
+    tried = [cell for cell in ordered if cell in judge.refusals]
     reasons = "; ".join(f"{list(cell)}: {judge.refusals[cell]}" for cell in tried[:3])
-    return PlanError(
-        f"{len(left)} parts cannot be {what} so that every state stands. {reasons}".strip(),
-        "Take these parts away by hand, holding what they are joined to.",
+    what, hint = (
+        ("taken away", "Take them away by hand, holding what they are joined to.")
+        if state.removing
+        else ("placed", "Clear the workspace and plan the object anew, or ask for another one.")
     )
+    many = "1 part" if len(left) == 1 else f"{len(left)} parts"
+    found = f"{many} cannot be {what} so that every state stands."
+    return PlanError(f"{found} {reasons}.", hint)
 
 
 def _reason(verdict: Verdict) -> str:
