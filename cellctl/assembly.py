@@ -139,6 +139,21 @@ class StepKind(StrEnum):
     REMOVE = "remove"
 
 
+class TakeOff(Value):
+    """How a placed part is parted from its neighbours, by the gentlest way that the rest bears."""
+
+    how: Literal["pull", "peel", "twist"]
+    """``pull``: straight up; ``peel``: tilted first; ``twist``: turned about the vertical first."""
+    direction: tuple[int, int] | None = None
+    """Of a peel: where the part's top goes, along x, y or a diagonal."""
+    hinge_m: tuple[float, float] | None = None
+    """Of a peel: the level axis that it turns about, from the part's centre: how far on the side to
+    which its top goes, and how far up."""
+    force_n: Annotated[float, Field(ge=0.0)]
+    """What the arm applies at most: upward; of a peel or twist, its couple divided by the part's
+    edge."""
+
+
 class Step(Value):
     """One part put to, or taken from, one cell."""
 
@@ -153,9 +168,8 @@ class Step(Value):
     margin: float | None = None
     """How many times stronger the magnets are than this step needs, while its part is pressed in or
     comes off and with the structure after it. None where it needs none; at least 1 holds."""
-    peel: tuple[int, int] | None = None
-    """Of a removal: where the part's top is tilted to first, along x and y, which is gentler; None
-    pulls it straight up."""
+    take_off: TakeOff | None = None
+    """Of a removal: how the part comes off; None of a placement."""
 
 
 class Weakest(Value):

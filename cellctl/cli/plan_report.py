@@ -11,7 +11,17 @@ from typing import Annotated, Final, Literal
 
 from pydantic import ConfigDict, Field
 
-from cellctl.assembly import BuildPlan, Cell, Change, Check, Step, StepKind, Value, Weakest
+from cellctl.assembly import (
+    BuildPlan,
+    Cell,
+    Change,
+    Check,
+    Step,
+    StepKind,
+    TakeOff,
+    Value,
+    Weakest,
+)
 from cellctl.config import CellConfig
 from cellctl.errors import (
     CellctlError,
@@ -68,9 +78,8 @@ class Placement(Described):
     """Height of the tool's centre above the floor while the part crosses; null where unknown."""
     duration_s: float | None
     """Predicted time in the cell; null where unknown."""
-    peel: tuple[int, int] | None
-    """Of a removal: where the part's top is tilted to first, along x and y; null pulls it straight
-    up."""
+    take_off: TakeOff | None
+    """Of a removal: how the part comes off; null of a placement."""
 
 
 class Refused(Described):
@@ -242,7 +251,7 @@ def _placement(step: Step) -> Placement:
         margin=step.margin if needs else None,
         clearance_m=step.clearance_m,
         duration_s=step.duration_s,
-        peel=step.peel,
+        take_off=step.take_off,
     )
 
 

@@ -8,12 +8,13 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step
+from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step, TakeOff
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
 from cellctl.validating.changing.changeover import ChangeOver, change_over
 from cellctl.validating.changing.moves import Belt, Judge, Move, find_moves
+from cellctl.validating.changing.removal import Removal
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
 
@@ -126,7 +127,7 @@ def _plan(
             kind=move.kind,
             cell=move.cell,
             margin=None if math.isinf(move.margin) else round(move.margin, 4),
-            peel=move.removal.direction if move.removal is not None else None,
+            take_off=_take_off(move.removal, pitch_m) if move.removal is not None else None,
         )
         for index, move in enumerate(moves)
     )
@@ -139,6 +140,16 @@ def _plan(
         checks=_checks(moves, config),
         changes=changes,
         provenance=provenance,
+    )
+
+
+def _take_off(removal: Removal, pitch_m: float) -> TakeOff:
+    hinge = removal.hinge
+    return TakeOff(
+        how=removal.how,
+        direction=removal.direction,
+        hinge_m=None if hinge is None else (hinge.towards * pitch_m / 2, hinge.up * pitch_m / 2),
+        force_n=round(removal.force_n, 2),
     )
 
 

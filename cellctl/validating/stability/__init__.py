@@ -4,6 +4,5 @@ from cellctl.validating.stability.assess import Verdict, assess
 from cellctl.validating.stability.joints import Joint
 from cellctl.validating.stability.physics import Physics
 from cellctl.validating.stability.prefixes import assess_order, walk_order
-from cellctl.validating.stability.removal import assess_removal
 
-__all__ = ["Joint", "Physics", "Verdict", "assess", "assess_order", "assess_removal", "walk_order"]
+__all__ = ["Joint", "Physics", "Verdict", "assess", "assess_order", "walk_order"]
