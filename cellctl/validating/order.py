@@ -10,6 +10,7 @@ part in, a search goes from part to part.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from cellctl.assembly import Cell
@@ -131,11 +132,11 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
             rule="access",
             cells=tuple(sorted(layer)),
         )
+    careful = sorted(candidates, key=lambda c: (c.reach, c.reach_sum, c.tight, c.cells))
     best = _best(candidates[:_TRIED], growth, None)
     if not best.holds:
-        daring = candidates[_TRIED:]
-        careful = sorted(daring, key=lambda c: (c.reach, c.reach_sum, c.tight, c.cells))
-        best = _best(careful[:_TRIED], growth, best)
+        left = [candidate for candidate in careful if candidate not in candidates[:_TRIED]]
+        best = _best(left[:_TRIED], growth, best)
     if not best.holds or best.tight:
         effort = _SEARCH_TO_AVOID if best.holds else _SEARCH_TO_HOLD
         # Growing from one front strains the joints: only exact proofs show that it holds.
@@ -146,13 +147,13 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
             return Laid(found.cells, found.verdicts, after, found.tight, True, best.whole)
     if not best.holds:
         # What the quick proofs could not show is shown exactly, or refuted.
-        best = _prove(best.whole, growth.copy(thorough=True), None)
+        best = _best([best.whole, careful[0]], growth.copy(thorough=True), None)
     if not best.holds:
         raise _refusal(best, growth, growth.physics)
     return best
 
 
-def _best(candidates: list[LayerOrder], growth: Growth, best: Laid | None) -> Laid:
+def _best(candidates: Sequence[LayerOrder], growth: Growth, best: Laid | None) -> Laid:
     """The best of these and of one that is known."""
     proofs = 0
     for candidate in candidates:
@@ -164,7 +165,7 @@ def _best(candidates: list[LayerOrder], growth: Growth, best: Laid | None) -> La
         best = laid if best is None else max(best, laid, key=_worth)
         if best.holds and best.margin >= min(GOOD_MARGIN, growth.worst_margin):
             break
-    assert best is not None
+    assert best is not None, "there is a candidate, or a best one"
     return best
 
 

@@ -20,6 +20,9 @@ GOOD_MARGIN = 1.5
 """A margin that is proven to be at least this is not determined more exactly."""
 _ENOUGH = 0.5
 """Share of the needed pull that is no matter below which a witness of a push is not improved."""
+_THRIFT = 0.01
+"""Cost of shear where a region is balanced anew: a witness that strains no joint without need
+leaves more to those who build on it."""
 _REACHES = (1, 3)
 """Cells beyond the nearest support within which forces are balanced anew, before all are."""
 
@@ -196,7 +199,9 @@ class Growth:
             if len(region) == size and not whole:
                 continue
             size = len(region)
-            rows, solution = witness.solve(region, cell, push, enough)
+            rows, solution = witness.solve(
+                region, cell, push, enough, thrift=0.0 if whole else _THRIFT
+            )
             pull = max(solution.pull, witness.need_outside(rows))
             if pull <= self._pull:
                 verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))

@@ -95,12 +95,14 @@ class Programme:
         loads[:, 2] = -self._physics.weight_n
         return loads
 
-    def solve(self, loads: Floats, enough: float = 0.0) -> Solution:
+    def solve(self, loads: Floats, enough: float = 0.0, thrift: float = 0.0) -> Solution:
         """The least pull under loads (n, 6): force in N and moment about each part's centre in N m.
 
         Args:
             loads: on each part, (n, 6).
             enough: a pull that is not to be improved on; the solution has at least this.
+            thrift: what a unit of shear or twist costs beside a unit of pull. With any, forces go
+                short ways, and the pull is not quite the least.
 
         Raises:
             PlanError: the solver found neither a solution nor that there is none.
@@ -110,7 +112,8 @@ class Programme:
         scaled[:, 3:] /= physics.pitch_m / 2
         height, width = self._conditions.shape
         equations = scaled.size
-        cost = np.zeros(width)
+        cost = np.full(width, thrift)
+        cost[:-1].reshape(-1, _FORCES)[:, :_PRESSES] = 0.0
         cost[-1] = 1.0
         low = np.zeros(width)
         low[-1] = enough
@@ -119,7 +122,7 @@ class Programme:
         found = minimise(cost, self._conditions, sides, low, equations)
         if math.isinf(found.value):
             return Solution(math.inf, None, self._toppling(sides), np.empty((0, 6)))
-        pull = max(0.0, found.value)
+        pull = max(0.0, float(found.variables[-1]))
         velocity = found.duals.reshape(-1, 6)
         moving = np.flatnonzero(np.abs(velocity).max(axis=1) > _MOVES)
         weakest = self._most_open(velocity) if pull > 0.0 and len(moving) else None

@@ -108,7 +108,12 @@ class Witness:
         self._need[rows] = self.needs_with(rows, wrenches)
 
     def solve(
-        self, region: Iterable[Cell], cell: Cell, push: Floats, enough: float = 0.0
+        self,
+        region: Iterable[Cell],
+        cell: Cell,
+        push: Floats,
+        enough: float = 0.0,
+        thrift: float = 0.0,
     ) -> tuple[Ints, Solution]:
         """Balance a region anew, while all joints outside of it bear what they bear.
 
@@ -117,6 +122,7 @@ class Witness:
             cell: one of them, that is pushed.
             push: the load on it besides its weight, (6,).
             enough: a pull that is not to be improved on.
+            thrift: as the programme takes it.
 
         Returns:
             The rows of the joints that may change, and the solution for them in this order.
@@ -134,7 +140,7 @@ class Witness:
                 upper = Cell(one.x + step[0], one.y + step[1], one.z + step[2])
                 if upper not in inside and upper in self.cells:
                     loads[index] -= self._at_centre(upper, axis, 1.0)
-        solution = programme.solve(loads, enough)
+        solution = programme.solve(loads, enough, thrift)
         rows = np.array(
             [
                 self.number[numbered[part], axis]
