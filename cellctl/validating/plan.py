@@ -272,7 +272,7 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
     closeness = Closeness(
         score=repaired.score,
         baseline_score=repaired.baseline_score,
-        bound=repaired.bound,
+        bound=min(1.0, repaired.bound),
         proven=repaired.proven,
     )
     return replace(found, changes=repaired.changes, closeness=closeness)

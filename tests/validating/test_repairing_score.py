@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -85,3 +87,10 @@ def test_orbits_tie_together_what_symmetry_does() -> None:
     tied = orbits((6, 3, 6), symmetries(shelf, (6, 3, 6)))
     assert tied[Cell(5, 2, 3)] == Cell(0, 0, 3)
     assert len(set(tied.values())) == 3 * 2 * 6
+
+
+def test_no_rounding_makes_it_more_than_all() -> None:
+    for edges in itertools.product(range(1, 7), repeat=3):
+        whole = cells_of(Box(0, 0, 0, *edges))
+        assert Wanted(whole).score(whole) == pytest.approx(1.0, abs=1e-12)
+        assert Wanted(whole).score(whole) <= 1.0

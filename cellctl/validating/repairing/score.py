@@ -56,7 +56,8 @@ class Likeness(NamedTuple):
     def score(self) -> float:
         """0 to 1; see ``FORMULA``."""
         shared = self.volume.shared + self.outlines.shared
-        return self.size * shared / (self.volume.covered + self.outlines.covered)
+        # Rounding must not make it more than all.
+        return min(1.0, self.size * shared / (self.volume.covered + self.outlines.covered))
 
 
 @dataclass(frozen=True)
