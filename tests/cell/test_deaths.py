@@ -19,6 +19,7 @@ _BOUNDARIES = 60
 _INSTANTS = 20
 _FARTHEST = 8
 """Each life ends at most so many writes of the journal after it began."""
+_FARTHEST_IN_SOAK = 24
 _LONGEST_S = 1.5
 
 
@@ -74,14 +75,15 @@ def test_killed_at_any_instant(lives: Lives) -> None:
 
 @pytest.mark.soak
 @pytest.mark.timeout(7200)
-def test_killed_at_every_write_of_a_build(lives: Lives) -> None:
-    """Each write twice: the life that ends before it, and the life that ends after it."""
-    number = 0
-    while number < 400 or not lives.built:
-        with lives.life(("before", "after")[number % 2], "1" if number % 4 < 2 else "2") as life:
+def test_killed_at_400_writes_of_many_builds(lives: Lives) -> None:
+    """Lives end just before and just after their 1st write, their 2nd, and so on to the 24th: a
+    build has some hundred, so that the deaths of one build lie elsewhere than those of the next."""
+    for number in range(400):
+        when, write = ("before", "after")[number % 2], 1 + number // 2 % _FARTHEST_IN_SOAK
+        with lives.life(when, str(write)) as life:
             if life.settle() is not None:
                 life.go_on()
             assert life.dead
-        number += 1
     complete(lives)
     tell(lives)
+    assert lives.built >= 10
