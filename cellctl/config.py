@@ -117,9 +117,9 @@ class LimitsSection(Section):
     inventory_parts: Annotated[int, Field(ge=1, le=1000)]
     """Most parts that one object may have."""
     overhang_cells: Annotated[int, Field(ge=0, le=50)]
-    """Most cells that a row may reach out from the last supported one."""
+    """Most cells that a row may reach out from the last supported one, by the policy ``paper``."""
     stack_cells: Annotated[int, Field(ge=1, le=50)]
-    """Most cells on top of each other without a neighbour at their side."""
+    """Most cells on top of each other without a neighbour at their side, by the policy ``paper``."""
 
 
 class StabilitySection(Section):
