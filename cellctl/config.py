@@ -119,7 +119,7 @@ class LimitsSection(Section):
     overhang_cells: Annotated[int, Field(ge=0, le=50)]
     """Most cells that a row may reach out from the last supported one, by the policy ``paper``."""
     stack_cells: Annotated[int, Field(ge=1, le=50)]
-    """Most cells on top of each other without a neighbour at their side, by the policy ``paper``."""
+    """Most cells on top of each other without a neighbour beside them, by the policy ``paper``."""
 
 
 class StabilitySection(Section):
