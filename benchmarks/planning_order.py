@@ -1,9 +1,9 @@
 """Orders proven at every step: ``python -m benchmarks.planning_order [--most N] [--budget S]``.
 
-For shelves of 10 to 1000 parts it prints how long an order takes to find with its proof, how long
+For shelves of 8 to 1000 parts it prints how long an order takes to find with its proof, how long
 the exact proof of all its states takes, which share of them is proven within the budget, and the
 least margin; beside it the paper's algorithm 4, grown from one corner, as the baseline, judged with
-the same physics.
+the same physics. Times are of the processor, so that other work on the machine does not show.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from cellctl.config import load_config
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
 from cellctl.validating.layer_orders import tight_fits
-from cellctl.validating.order import find_order
+from cellctl.validating.order import find_order, sketch_order
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics, walk_order
 
@@ -36,6 +36,10 @@ SIZES = (
     (21, 6, 15),
 )
 """Width, depth and height of the shelves, in cells."""
+
+PROVEN_WHILE_SOUGHT = 250
+"""Larger shelves get an order that is sketched without statics, and then proven as far as the
+budget goes."""
 
 
 def shelf(width: int, depth: int, height: int) -> Cells:
@@ -74,13 +78,13 @@ def algorithm_4(cells: Cells) -> tuple[Cell, ...]:
 
 def prove(order: Sequence[Cell], physics: Physics, budget_s: float) -> tuple[float, float, float]:
     """Seconds, share of the states that were judged in time, and the least margin of these."""
-    start_s = time.perf_counter()
+    start_s = time.process_time()
     margin, judged = math.inf, 0
     for verdict in walk_order(order, physics):
         margin, judged = min(margin, verdict.margin), judged + 1
-        if time.perf_counter() - start_s > budget_s:
+        if time.process_time() - start_s > budget_s:
             break
-    return time.perf_counter() - start_s, judged / len(order), margin
+    return time.process_time() - start_s, judged / len(order), margin
 
 
 def main() -> int:
@@ -101,20 +105,23 @@ def main() -> int:
         cells = shelf(*size)
         if len(cells) > options.most:
             break
-        start_s = time.perf_counter()
+        start_s = time.process_time()
         try:
-            order = find_order(cells, physics, gripper)
+            if len(cells) <= PROVEN_WHILE_SOUGHT:
+                order = find_order(cells, physics, gripper).cells
+            else:
+                order = sketch_order(cells, gripper)
         except PlanError as error:
-            spent_s = time.perf_counter() - start_s
+            spent_s = time.process_time() - start_s
             sys.stdout.write(f"{len(cells):7d} {spent_s:16.3f}   {error.message}\n")
             continue
-        found_s = time.perf_counter() - start_s
-        proof_s, share, margin = prove(order.cells, physics, options.budget)
+        found_s = time.process_time() - start_s
+        proof_s, share, margin = prove(order, physics, options.budget - min(found_s, 1.0))
         naive = algorithm_4(cells)
         _, naive_share, naive_margin = prove(naive, physics, options.budget)
         sys.stdout.write(
             f"{len(cells):7d} {found_s:16.3f} {proof_s:12.3f} {share:10.0%} {margin:7.2f}"
-            f" {len(order.tight):6d} | {naive_share:11.0%} {naive_margin:7.2f}"
+            f" {len(tight_fits(order)):6d} | {naive_share:11.0%} {naive_margin:7.2f}"
             f" {len(tight_fits(naive)):6d}\n"
         )
     return 0

@@ -25,6 +25,8 @@ from cellctl.validating.stability.growth import GOOD_MARGIN, Growth
 _TRIED = 4
 """Most orders of one layer that are proven, of those that squeeze in the fewest parts, and again of
 those that reach out least, if none of the first holds."""
+_SAFE_REACH = 2
+"""How far a row over nothing reaches out that holds with room to spare."""
 _PROOFS = 100
 """Parts placed on trial after which the best order that holds is good enough."""
 _SEARCH_TO_HOLD = Search(beam=2, branches=4, proofs=160)
@@ -95,6 +97,28 @@ def find_order(
     return Order(tuple(order), tuple(verdicts), tight_fits(order, given))
 
 
+def sketch_order(cells: Cells, gripper: Gripper, given: Cells = frozenset()) -> tuple[Cell, ...]:
+    """An order that is held and reached at every step, but not proven to stand.
+
+    For objects so large that a proof of every trial takes too long: prove it with ``walk_order`` as
+    far as the time goes. No layer reaches out further than two parts while it is laid, where that
+    can be helped; then as few parts as possible go between two others.
+
+    Raises:
+        PlanError: some part cannot be placed from above.
+    """
+    standing = set(given)
+    order: list[Cell] = []
+    wanted = cells - given
+    for z in sorted({cell.z for cell in wanted}):
+        for piece in sorted(pieces(c for c in wanted if c.z == z), key=min):
+            candidates = _reachable(piece, frozenset(standing), gripper)
+            best = min(candidates, key=lambda c: (max(0, c.reach - _SAFE_REACH), *c))
+            order += best.cells
+            standing |= piece
+    return tuple(order)
+
+
 class Laid(NamedTuple):
     """A layer that was laid."""
 
@@ -113,25 +137,7 @@ class Laid(NamedTuple):
 
 def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
     """The best order of a layer on what stands."""
-    standing = growth.cells
-    for cell in sorted(layer):
-        if blockers := gripper.blockers(cell, standing):
-            raise PlanError(
-                f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
-                f"{_named(blockers)}.",
-                "Take these away first.",
-                rule="access",
-                cells=(cell, *blockers),
-            )
-    candidates = layer_orders(layer, standing)
-    if not candidates:
-        raise PlanError(
-            "It breaks the rule of access: no part of their layer or beneath carries some of "
-            f"{_named(sorted(layer))} when their turn comes.",
-            "Set something beneath them, or beside them in their layer.",
-            rule="access",
-            cells=tuple(sorted(layer)),
-        )
+    candidates = _reachable(layer, growth.cells, gripper)
     careful = sorted(candidates, key=lambda c: (c.reach, c.reach_sum, c.tight, c.cells))
     best = _best(candidates[:_TRIED], growth, None)
     if not best.holds:
@@ -151,6 +157,29 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
     if not best.holds:
         raise _refusal(best, growth, growth.physics)
     return best
+
+
+def _reachable(layer: Cells, standing: Cells, gripper: Gripper) -> list[LayerOrder]:
+    """Orders of a layer that comes down freely on what stands; the most promising first."""
+    for cell in sorted(layer):
+        if blockers := gripper.blockers(cell, standing):
+            raise PlanError(
+                f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
+                f"{_named(blockers)}.",
+                "Take these away first.",
+                rule="access",
+                cells=(cell, *blockers),
+            )
+    candidates = layer_orders(layer, standing)
+    if not candidates:
+        raise PlanError(
+            "It breaks the rule of access: no part of their layer or beneath carries some of "
+            f"{_named(sorted(layer))} when their turn comes.",
+            "Set something beneath them, or beside them in their layer.",
+            rule="access",
+            cells=tuple(sorted(layer)),
+        )
+    return candidates
 
 
 def _best(candidates: Sequence[LayerOrder], growth: Growth, best: Laid | None) -> Laid:

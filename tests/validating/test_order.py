@@ -16,7 +16,7 @@ from cellctl.generating.boxes import Box
 from cellctl.validating.access import Gripper
 from cellctl.validating.checker import verify
 from cellctl.validating.layer_orders import layer_orders, tight_fits
-from cellctl.validating.order import find_order, order_cells
+from cellctl.validating.order import find_order, order_cells, sketch_order
 from cellctl.validating.stability import Physics, assess, assess_order
 from tests.validating.plans import plan_of
 from tests.validating.random_solids import random_solid
@@ -191,6 +191,20 @@ def test_a_column_that_would_be_pushed_over_is_refused() -> None:
 
 def test_nothing_to_place_needs_no_order() -> None:
     assert order_cells(SHELF, PHYSICS, GRIPPER, SHELF) == ()
+
+
+def test_a_sketch_of_a_large_object_is_held_and_reached_at_every_step() -> None:
+    large = cells_of(
+        *(Box(x, 0, 0, 1, 4, 7) for x in (0, 5, 10)), *(Box(0, 0, z, 11, 4, 1) for z in (3, 6))
+    )
+    order = sketch_order(large, GRIPPER)
+    assert sorted(order) == sorted(large)
+    held: set[Cell] = set()
+    for cell in order:
+        assert cell.z == 0 or any(beside in held for beside in cell.neighbours())
+        assert not GRIPPER.blockers(cell, held)
+        held.add(cell)
+    assert min(verdict.margin for verdict in assess_order(order, PHYSICS)) >= 1
 
 
 @pytest.mark.soak
