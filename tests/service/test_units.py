@@ -128,6 +128,17 @@ def state(cell: Machine) -> str:
     return str(json.loads(cell.run("cellctl", "status", "--json").stdout)["state"]["state"])
 
 
+def start(cell: Machine) -> None:
+    """Start the emulated cell, and the daemon once its conveyor and robot are there."""
+    cell.run("systemctl", "start", "emulated.service")
+    wait(
+        cell,
+        "the emulated cell",
+        lambda: cell.run("cellctl", "sim", "truth", check=False).returncode == 0,
+    )
+    cell.run("systemctl", "start", "cellctl.service")  # returns when the daemon has said READY
+
+
 def built(cell: Machine) -> bool:
     """Whether the object stands; goes on, as an operator does, when the robot heard us too late.
 
@@ -165,8 +176,7 @@ def test_what_the_units_restrictions_leave_to_the_daemon(cell: Machine) -> None:
 @pytest.mark.wire
 @pytest.mark.shared_cell
 def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) -> None:
-    cell.run("systemctl", "start", "emulated.service")
-    cell.run("systemctl", "start", "cellctl.service")  # returns when the daemon has said READY
+    start(cell)
     wait(cell, "an idle cell", lambda: state(cell) == "idle")
     assert cell.property_of("cellctl.service", "StatusText")
 
@@ -192,7 +202,7 @@ def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) ->
 @pytest.mark.wire
 @pytest.mark.shared_cell
 def test_an_upgrade_that_does_not_start_is_taken_back(cell: Machine) -> None:
-    cell.run("systemctl", "start", "emulated.service", "cellctl.service")
+    start(cell)
     before = json.loads(cell.run("cellctl", "status", "--json").stdout)
     # What it makes is no daemon: it ends at once.
     python = "PYTHON=/opt/upgrade/python3.11"
