@@ -118,8 +118,7 @@ def paper_draft(found: PaperPlan, physics: Physics) -> Draft:
         first = failed[0]
         questions = (
             f"By the paper's rules it can be built, but by the strength of its joints it would "
-            f"come apart in step {first + 1}, at {list(found.order[first])}. Shall I build it all "
-            "the same?",
+            f"come apart in step {first + 1}. Shall I build it all the same?",
         )
     return Draft(found.order, found.checks, verdicts, "paper", found.changes, questions)
 

@@ -98,6 +98,8 @@ def read_json_plan(name: str, content: bytes) -> BuildPlan | Assembly:
         raise UsageError(
             f"{name}: is not valid JSON: {error.msg} in line {error.lineno}."
         ) from error
+    except (ValueError, RecursionError) as error:  # a number or a nesting beyond all measure
+        raise UsageError(f"{name}: is not JSON that can be read: {error}.") from error
     if not isinstance(data, dict) or not {"steps", "cells"} & data.keys():
         raise UsageError(
             f"{name}: holds neither a build plan nor cells.",

@@ -1,7 +1,7 @@
 """From a shape to a build plan: fit, voxelise, check and repair, order, reach.
 
-Everything here is a pure function of its arguments and importable by name, so that it can run in a
-worker process.
+Everything here is importable by name, so that it can run in a worker process, and depends on its
+arguments only; but for the budget of a repair, which is wall time.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from cellctl.validating.files import read_json_plan, read_mesh
 from cellctl.validating.fit import Shape, fit, size_changes, size_questions
 from cellctl.validating.paper.policy import plan_paper, plan_paper_cells, process
 from cellctl.validating.repairing import repair_shape
-from cellctl.validating.rules import Cells, size_of, to_corner
+from cellctl.validating.rules import Cells, size_of
 from cellctl.validating.siting import site, site_here
-from cellctl.validating.stability import Physics
+from cellctl.validating.stability import Physics, assess
 
 Progress = Callable[[str], None]
 """Receives the name of each stage when it begins: discretising, checking, sequencing."""
@@ -87,16 +87,18 @@ def plan_cells(
     wanted = frozenset(Cell(*cell) for cell in cells)
     if not wanted:
         raise PlanError("There are no cells to build.", "Name at least one cell.")
-    moved = to_corner(wanted)
-    size, grid = size_of(moved), config.grid
+    size, grid = size_of(wanted), config.grid
     if any(edge > room for edge, room in zip(size, grid, strict=True)):
         raise PlanError(
             f"The object is {_times(size)} cells large; the workspace has {_times(grid)}.",
             "Make it smaller.",
         )
     parts = _parts(config, inventory_parts)
-    found = _drafted_cells(moved, config, parts)
-    return _verified(site(found, config, title, provenance), config, parts)
+    # Checked where they were given, so that a refusal names them as its reader knows them.
+    x, y, z = (min(axis) for axis in zip(*wanted, strict=True))
+    found = _drafted_cells(frozenset(c._replace(z=c.z - z) for c in wanted), config, parts)
+    plan = site(found.moved(-x, -y), config, title, provenance)
+    return _verified(plan, config, parts)
 
 
 def plan_file(
@@ -140,6 +142,8 @@ def plan_file(
 def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = None) -> BuildPlan:
     """Check a plan that came from elsewhere, with its own order and place, for this cell.
 
+    It is judged by this cell's policy, whatever it says of itself.
+
     Returns:
         The same steps, with checks, clearances and durations of this cell.
 
@@ -162,10 +166,11 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
     parts, physics = _parts(config, inventory_parts), Physics.of(config)
     found = (
         paper_redraft(order, physics, config.limits, parts)
-        if plan.policy == "paper"
+        if config.planning.policy == "paper"
         else redraft(order, physics, Gripper.of(config), parts)
     )
-    found = replace(found, changes=plan.changes, questions=plan.questions, closeness=plan.closeness)
+    asked = (*plan.questions, *(q for q in found.questions if q not in plan.questions))
+    found = replace(found, changes=plan.changes, questions=asked, closeness=plan.closeness)
     return _verified(site_here(found, config, plan.title, plan.provenance), config, parts)
 
 
@@ -182,6 +187,7 @@ def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPla
         PlanError: there is no way in which every state on the way stands.
     """
     standing = standing_cells(name, content, config)
+    _refuse_fallen(standing, config)
     plan = plan_removal(standing, config, title=Path(name).stem)
     return _verified(plan, config, config.limits.inventory_parts, standing)
 
@@ -197,6 +203,7 @@ def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> 
     Raises:
         PlanError: there is no way in which every state on the way stands.
     """
+    _refuse_fallen(standing, config)
     planner = RoutePlanner(config)
 
     def reachable(cell: Cell) -> bool:
@@ -223,6 +230,22 @@ def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> 
     )
     spare = config.limits.inventory_parts - len(standing)
     return _verified(told, config, spare, standing)
+
+
+def _refuse_fallen(standing: Cells, config: CellConfig) -> None:
+    """Raises PlanError where what is said to stand could not."""
+    physics = Physics.of(config)
+    verdict = assess(standing, physics)
+    if verdict.margin < physics.least_margin:
+        cells = tuple(sorted(verdict.moving, key=lambda c: (c.z, c.x, c.y)))
+        named = ", ".join(str(list(cell)) for cell in cells[:6])
+        raise PlanError(
+            f"What is said to stand would not: its joints bear {verdict.margin:.2f} times what is "
+            f"asked of them, and {physics.least_margin:g} times is due. Cells: {named}.",
+            "Look what really stands, and name its cells.",
+            rule="stability",
+            cells=cells,
+        )
 
 
 def standing_cells(name: str, content: bytes, config: CellConfig) -> Cells:
@@ -279,10 +302,12 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
 
 
 def _drafted_cells(cells: Cells, config: CellConfig, parts: int) -> Draft:
-    """Cells that begin at [0, 0, 0], as they are, ordered."""
+    """Cells whose lowest layer is 0, as they are, ordered."""
     physics = Physics.of(config)
     if config.planning.policy == "paper":
-        return paper_draft(plan_paper_cells(cells, config.limits, parts), physics)
+        x, y = (min(axis) for axis in list(zip(*cells, strict=True))[:2])
+        found = paper_draft(plan_paper_cells(cells, config.limits, parts), physics)
+        return found.moved(x, y)
     return draft(cells, physics, Gripper.of(config), parts)
 
 

@@ -15,7 +15,13 @@ from cellctl.errors import PlanError, UsageError
 from cellctl.generating.boxes import Box
 from cellctl.generating.design import design
 from cellctl.validating.files import load_mesh, load_plan, read_mesh
-from cellctl.validating.plan import plan_build, plan_cells, plan_file
+from cellctl.validating.plan import (
+    plan_build,
+    plan_cells,
+    plan_changing_over,
+    plan_file,
+    plan_taking_apart,
+)
 from tests.validating.shapes import CONFIG as IMPATIENT
 from tests.validating.shapes import cells_of, generated, paper
 
@@ -186,7 +192,7 @@ def test_a_plan_survives_its_file(tmp_path: Path) -> None:
     assert load_plan(file) == plan
     assert plan_file("t.json", file.read_bytes(), CONFIG) == plan
     paper = wish("table", {"legs": 1}, config=PAPER)
-    assert plan_file("t.json", paper.model_dump_json().encode(), CONFIG) == paper
+    assert plan_file("t.json", paper.model_dump_json().encode(), PAPER) == paper
     assert pickle.loads(pickle.dumps(plan)) == plan  # noqa: S301 - our own bytes
 
 
@@ -212,6 +218,36 @@ def test_a_plan_from_elsewhere_is_not_taken_on_trust() -> None:
         plan_file("t.json", moved.model_dump_json().encode(), CONFIG)
 
 
+def test_a_plan_is_judged_by_the_policy_of_the_cell_and_not_by_its_own() -> None:
+    paper = wish("table", {"legs": 1}, config=PAPER)
+    forged = paper.model_copy(update={"questions": ()})
+    with pytest.raises(PlanError, match="rule of stability"):
+        plan_file("t.json", forged.model_dump_json().encode(), CONFIG)
+    (question,) = plan_file("t.json", forged.model_dump_json().encode(), PAPER).questions
+    assert "come apart in step" in question
+
+
+def test_a_refusal_names_the_cells_as_they_were_given() -> None:
+    arm = [Cell(1, 2, 0), *(Cell(x, 2, 1) for x in range(1, 6))]
+    with pytest.raises(PlanError, match="stability") as refused:
+        plan_cells(arm, CONFIG)
+    assert refused.value.cells
+    assert set(refused.value.cells) <= set(arm)
+    with pytest.raises(PlanError, match="paper's rule of overhang"):
+        plan_cells(arm, PAPER)
+
+
+@pytest.mark.parametrize("cells", [[(0, 0, 3)], [(0, 0, 0), (1, 0, 0), (3, 3, 1)]])
+def test_what_could_not_stand_is_not_taken_apart(cells: list[tuple[int, int, int]]) -> None:
+    content = json.dumps({"cells": cells, "pitch_m": 0.1}).encode()
+    with pytest.raises(PlanError, match="said to stand would not") as refused:
+        plan_taking_apart("s.json", content, CONFIG)
+    assert refused.value.cells
+    post = plan_cells([Cell(0, 0, 0)], CONFIG)
+    with pytest.raises(PlanError, match="said to stand would not"):
+        plan_changing_over(post, frozenset(Cell(*cell) for cell in cells), CONFIG)
+
+
 def test_cells_in_a_file_are_planned() -> None:
     content = json.dumps({"cells": [[0, 0, 0], [0, 0, 1]], "pitch_m": 0.1}).encode()
     plan = plan_file("post.json", content, CONFIG)
@@ -225,6 +261,8 @@ def test_cells_in_a_file_are_planned() -> None:
         ("a.json", b"{", "not valid JSON: .* in line 1"),
         ("a.json", b"\xff\xfe", "not UTF-8"),
         ("a.json", b"[1, 2]", "neither a build plan nor cells"),
+        ("a.json", b"[" * 100_000, "not JSON that can be read"),
+        ("a.json", b"1" * 5000, "not JSON that can be read"),
         ("a.json", b'{"steps": []}', "plan_id"),
         ("a.json", b'{"cells": [[0, 0]], "pitch_m": 0.1}', "cells.0"),
         ("a.step", b"", "not a kind of mesh file"),
