@@ -11,7 +11,7 @@ from cellctl.config import LimitsSection
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
 from cellctl.validating.layer_orders import tight_fits
-from cellctl.validating.order import find_order
+from cellctl.validating.order import find_order, sketch_order
 from cellctl.validating.paper.policy import PaperPlan, judge
 from cellctl.validating.paper.sequencing import Order as PaperOrder
 from cellctl.validating.rules import (
@@ -23,6 +23,9 @@ from cellctl.validating.rules import (
 )
 from cellctl.validating.stability import Joint, Physics, Verdict, assess_order
 
+_SOUGHT_UP_TO = 150
+"""Parts up to which an order is sought by proofs, which takes seconds; the order of a larger object
+is sketched, and proven once."""
 _NAMED = 6
 """How many cells a refusal names."""
 
@@ -84,6 +87,9 @@ def draft(cells: Cells, physics: Physics, gripper: Gripper, parts: int) -> Draft
         PlanError: they break a rule, or there is no order; the message names the rule and cells.
     """
     refuse_failed(_of_shape(cells, parts))
+    if len(cells) > _SOUGHT_UP_TO:
+        order = sketch_order(cells, gripper)
+        return _proven(order, assess_order(order, physics), physics, parts)
     found = find_order(cells, physics, gripper)
     return _proven(found.cells, found.verdicts, physics, parts)
 

@@ -9,7 +9,7 @@ from cellctl.errors import PlanError
 from cellctl.generating.boxes import Box
 from cellctl.validating.access import Gripper
 from cellctl.validating.draft import check_order, draft, redraft
-from cellctl.validating.stability import Physics
+from cellctl.validating.stability import Physics, assess_order
 from tests.validating.shapes import CONFIG, cells_of
 
 PHYSICS, GRIPPER = Physics.of(CONFIG), Gripper.of(CONFIG)
@@ -48,3 +48,12 @@ def test_what_fails_is_named_with_its_rule_and_cells() -> None:
     with pytest.raises(PlanError, match="cannot come down past") as refused:
         redraft((Cell(0, 0, 0), Cell(0, 0, 1), Cell(0, 0, 2), Cell(1, 0, 0)), PHYSICS, GRIPPER, 40)
     assert refused.value.rule == "access"
+
+
+def test_a_large_object_is_sketched_and_proven_at_every_step() -> None:
+    walls = cells_of(*(Box(x, 0, 0, 1, 4, 8) for x in (0, 4, 8)))
+    shelf = walls | cells_of(*(Box(0, 0, z, 9, 4, 1) for z in (1, 3, 5, 7)))
+    found = draft(shelf, PHYSICS, GRIPPER, 1000)
+    assert len(found.order) == len(shelf) == 192
+    assert found.verdicts == assess_order(found.order, PHYSICS)
+    assert min(verdict.margin for verdict in found.verdicts) >= PHYSICS.least_margin
