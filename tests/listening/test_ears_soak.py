@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -56,7 +57,8 @@ def test_a_day_of_disturbance_begins_nothing(test_data: Path) -> None:
     minutes, workers = 24 * 60, os.cpu_count() or 1
     share = -(-minutes // workers)
     shares = [range(n * share, min((n + 1) * share, minutes)) for n in range(workers)]
-    with ProcessPoolExecutor(workers) as pool:
+    # Not forked: the networks have threads, which a fork would leave half alive.
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
         found = [line for lines in pool.map(begun, shares, [test_data] * workers) for line in lines]
     print(f"{minutes / 60:.0f} h: {len(found)} false beginnings")  # noqa: T201
     assert found == []
