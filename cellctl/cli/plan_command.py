@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -16,25 +15,21 @@ from cellctl.assembly import BuildPlan, Intent
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.cli.plan_files import Outputs
+from cellctl.cli.plan_options import (
+    PlanPolicy,
+    Up,
+    adjusted,
+    input_kind,
+    refuse_idle,
+    refuse_misfit,
+)
 from cellctl.cli.plan_progress import PlanProgress
-from cellctl.cli.plan_report import InputKind, PlanInput, report_plan, report_refusal
+from cellctl.cli.plan_report import PlanInput, report_plan, report_refusal
 from cellctl.cli.plan_screen import report_console, show_refusal, show_report
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError, NoObjectError, UsageError
 
 Progress = Callable[[str], None]
-Up = Literal["auto", "y", "z"]
-PlanPolicy = Literal["cellctl", "paper"]
-
-MESH_SUFFIXES: Final = (".glb", ".gltf", ".stl", ".obj", ".ply")
-
-
-def input_kind(given: str) -> InputKind:
-    """What an input is, by how it is written: a file by its suffix, else a sentence."""
-    suffix = Path(given).suffix.lower()
-    if suffix in MESH_SUFFIXES:
-        return "mesh"
-    return "cells" if suffix == ".json" else "sentence"
 
 
 def make_plan(
@@ -59,10 +54,12 @@ def make_plan(
         UsageError: there is no such file, it cannot be read, or an option does not go with it.
     """
     kind = input_kind(given)
-    _refuse_misfit(kind, height_m, up)
+    refuse_misfit(kind, height_m, up)
     inventory = config.limits.inventory_parts
     if kind == "sentence":
         if os.path.isfile(given):  # noqa: PTH113 - unlike pathlib's, it takes any sentence
+            from cellctl.validating.files import MESH_SUFFIXES  # noqa: PLC0415
+
             raise UsageError(
                 f"{given}: not a kind of file that can be planned.",
                 f"Use one of .json, {', '.join(MESH_SUFFIXES)}.",
@@ -129,36 +126,12 @@ def make_change(
                 "built them (.json).",
                 "Name such a file, without --standing.",
             )
-        _refuse_misfit("cells", height_m, up)
+        refuse_misfit("cells", height_m, up)
         return plan_taking_apart(Path(given).name, read_file(Path(given)), config)
     assert standing is not None, "one of both is asked for"
     stands = standing_cells(standing.name, read_file(standing), config)
     wanted = make_plan(given, config, height_m=height_m, up=up, progress=progress)
     return plan_changing_over(wanted, stands, config)
-
-
-def _refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:
-    """Refuse options that the input has no use for, rather than overlook them."""
-    if height_m is not None and not (math.isfinite(height_m) and height_m > 0.0):
-        raise UsageError(f"--height-m {height_m:g}: no height.", "Give metres, such as 0.45.")
-    if height_m is not None and kind == "cells":
-        raise UsageError("--height-m: cells have their size already.", "Leave it out.")
-    if up != "auto" and kind != "mesh":
-        raise UsageError("--up: only a mesh can be turned upright.", "Leave it out.")
-
-
-def adjusted(config: CellConfig, budget_s: float | None, policy: PlanPolicy | None) -> CellConfig:
-    """The configuration with another budget or policy for this plan.
-
-    Raises:
-        UsageError: that is no budget.
-    """
-    changes: dict[str, object] = {} if policy is None else {"policy": policy}
-    if budget_s is not None:
-        if not (math.isfinite(budget_s) and budget_s > 0.0):
-            raise UsageError(f"--budget-s {budget_s:g}: no budget.", "Give seconds, such as 20.")
-        changes["budget_s"] = budget_s
-    return config.model_copy(update={"planning": config.planning.model_copy(update=changes)})
 
 
 def register(app: typer.Typer) -> None:
@@ -214,7 +187,8 @@ def register(app: typer.Typer) -> None:
         config: ConfigOption = None,
     ) -> None:
         """Plan a wish without a cell, and show what was checked and changed."""
-        settings = adjusted(configuration(config), budget_s, policy)
+        configured = configuration(config)
+        settings = adjusted(configured, budget_s, policy)
         outputs = Outputs(json=json, plan=plan_file, picture=picture, steps=steps)
         outputs.check()
         asked = PlanInput(
@@ -229,6 +203,14 @@ def register(app: typer.Typer) -> None:
         aside = Console(stderr=True, highlight=False)
         began_s = time.monotonic()
         try:
+            refuse_idle(
+                given,
+                policy=policy,
+                budget_s=budget_s,
+                standing=standing is not None,
+                take_apart=take_apart,
+                configured=configured.planning.policy,
+            )
             with PlanProgress(aside, "reading what is wanted") as progress:
                 made = make_change(
                     given,

@@ -126,14 +126,13 @@ def steps_glb(plan: BuildPlan) -> bytes:
     0), ``cell``, ``margin`` and ``removed`` (the index of the step that takes it away). A plate
     named ``weakest joint`` lies in the joint of that name where the plan has one.
 
-    Args:
-        plan: with at least one step.
+    A plan without steps gives its object alone, standing, without an animation.
     """
     document = _Document()
     geometry = _part_geometry(document.buffer, plan.pitch_m)
     lives = lives_of(plan)
     total = len(plan.steps)
-    pace_s = min(STEP_S, LONGEST_S / total)
+    pace_s = min(STEP_S, LONGEST_S / max(1, total))
     margins = {step.index: step.margin for step in plan.steps}
     digits = max(2, len(str(total)))
     number = 0

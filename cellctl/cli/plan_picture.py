@@ -24,6 +24,8 @@ _MUTED: Final[Colour] = (0.80, 0.80, 0.79)
 _MUTE: Final = 0.72
 """How far the parts of earlier panels go towards that grey."""
 _MAIN: Final = (0.015, 0.09, 0.47, 0.76)
+_ALONE: Final = (0.02, 0.05, 0.96, 0.82)
+"""Where the object is drawn if no step leads to it."""
 _PANELS: Final = (0.50, 0.035, 0.49, 0.87)
 _LABEL_SHARE: Final = 0.13
 """The part of a panel's height that its label takes."""
@@ -40,7 +42,8 @@ def draw_steps(
     """Draw the finished object and how it is built, and write it as a PNG of 2100 x 1260 pixels.
 
     Args:
-        plan: what to draw; ``MOMENTS`` stages of it are shown, fewer if it has fewer steps.
+        plan: what to draw; ``MOMENTS`` stages of it are shown, fewer if it has fewer steps, and
+            without steps its object alone.
         grid: the workspace's size in cells along x, y and z.
         path: the file to write; its folder must exist.
         caption: a line about it.
@@ -52,7 +55,7 @@ def draw_steps(
     figure = new_figure(WIDTH_IN, HEIGHT_IN, DPI)
     lives = lives_of(plan)
     total = len(plan.steps)
-    axes = add_scene_axes(figure, _MAIN)
+    axes = add_scene_axes(figure, _MAIN if plan.steps else _ALONE)
     camera = Camera(grid)
     scene = Scene(axes, camera, grid)
     finished = {life.cell: life for life in lives if life.stands_after(total)}
@@ -61,8 +64,9 @@ def draw_steps(
     if plan.weakest is not None:
         _mark(scene, plan.weakest)
     axes.autoscale_view()
-    _panels(figure, plan, lives, camera, grid)
-    _legend(figure, plan)
+    if plan.steps:
+        _panels(figure, plan, lives, camera, grid)
+        _legend(figure, plan)
     size = 24.0 if len(plan.title) < 32 else 15.0
     title = plan.title if len(plan.title) < 60 else f"{plan.title[:57]}..."
     figure.text(0.03, 0.945, title, fontsize=size, color=INK, weight="bold", va="center")

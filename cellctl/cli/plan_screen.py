@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final
 
 from rich.console import Console
@@ -11,6 +11,7 @@ from rich.text import Text
 
 from cellctl.assembly import Cell, StepKind
 from cellctl.cli.plan_report import PlanReport, Refused
+from cellctl.validating.words import count, named, parts
 
 COLUMNS: Final = 100
 """No line is longer, however wide the screen."""
@@ -54,9 +55,9 @@ def show_report(console: Console, report: PlanReport, grid: tuple[int, int, int]
 
 def show_refusal(console: Console, refused: Refused) -> None:
     """Print what a refusal knows beyond its message, which the command prints at its end."""
-    if refused.cells:
-        console.print(Text(f"It breaks the rule of {refused.rule} at {_cells(refused.cells)}."))
-    if refused.nearest is not None:
+    if refused.cells and not any(str(list(cell)) in refused.message for cell in refused.cells):
+        console.print(Text(f"Where: {named(refused.cells)}."))
+    if refused.nearest is not None and refused.nearest.what not in refused.message:
         console.print(Text(f"What could be built: {refused.nearest.what}"))
 
 
@@ -70,7 +71,7 @@ def summary(report: PlanReport) -> str:
     words = [_amount(report)]
     if report.margin is not None:
         words.append(f"margin {report.margin:.2f}")
-    if report.duration_s is not None:
+    if report.duration_s is not None and report.placements:
         words.append(f"about {duration(report.duration_s)}")
     return ", ".join(words)
 
@@ -84,6 +85,8 @@ def duration(seconds: float) -> str:
 def margin_words(report: PlanReport) -> str:
     """How safely it stands, and when and where it does least; empty where that is not known."""
     worst = report.weakest_placement
+    if not report.placements:
+        return ""
     if worst is None:
         judged = any(check.name == "stability" for check in report.checks)
         return "It stands by its weight alone; no step needs a magnet." if judged else ""
@@ -136,6 +139,8 @@ def layer_lines(report: PlanReport, grid: tuple[int, int, int], columns: int) ->
     digits = max(len(text) for text in shown.values())
     span = (range(grid[0]), range(grid[1]))
     legend = _LEGEND
+    if "#" in shown.values():
+        legend += " # stood before."
     if (digits + 1) * grid[0] > columns // _LEAST_ABREAST:  # a wide workspace: the object alone
         span = (_span(cell.x for cell in shown), _span(cell.y for cell in shown))
         legend += f" Lower left is x {span[0][0]}, y {span[1][0]}."
@@ -177,21 +182,15 @@ def _rows(report: PlanReport) -> Iterator[tuple[str, str, str]]:
 
 
 def _amount(report: PlanReport) -> str:
-    """``30 parts, 50 x 40 x 50 cm``; of a plan that leaves nothing, how much it takes away."""
+    """``30 parts, 50 x 40 x 50 cm``; of a plan that leaves nothing, how much it takes away, and of
+    one without steps that it stands already."""
     if not report.cells:
-        return f"taken apart in {len(report.placements)} steps"
+        return f"taken apart in {count(len(report.placements), 'step')}"
     size = " x ".join(f"{round(edge * 100, 1):g}" for edge in report.size_m)
-    count = len(report.cells)
-    parts = "1 part" if count == 1 else f"{count} parts"
-    return f"{parts}, {size} cm"
+    stands = "" if report.placements else ", standing already"
+    return f"{parts(len(report.cells))}, {size} cm{stands}"
 
 
 def _span(values: Iterator[int]) -> range:
     all_of = list(values)
     return range(min(all_of), max(all_of) + 1)
-
-
-def _cells(cells: Sequence[Cell]) -> str:
-    """The first few, in words."""
-    named = ", ".join(str(list(cell)) for cell in cells[:8])
-    return named + (f" and {len(cells) - 8} more" if len(cells) > 8 else "")

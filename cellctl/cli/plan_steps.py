@@ -80,9 +80,12 @@ def moments(plan: BuildPlan, count: int) -> tuple[int, ...]:
     where there are too few.
 
     Returns:
-        Numbers of steps done, rising, the last of them all steps; fewer where there are fewer.
+        Numbers of steps done, rising, the last of them all steps; fewer where there are fewer, and
+        none where there are no steps.
     """
     total = len(plan.steps)
+    if total == 0:
+        return ()
     steps = plan.steps
     ends = [at for at in range(1, total) if steps[at].cell.z != steps[at - 1].cell.z] + [total]
     if len(ends) > count:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cellctl.assembly import Cell, Change, Check, Closeness, Weakest
 from cellctl.config import LimitsSection
 from cellctl.errors import PlanError
+from cellctl.validating import words
 from cellctl.validating.access import Gripper
 from cellctl.validating.layer_orders import tight_fits
 from cellctl.validating.order import find_order, sketch_order
@@ -26,8 +27,20 @@ from cellctl.validating.stability import Joint, Physics, Verdict, assess_order
 _SOUGHT_UP_TO = 150
 """Parts up to which an order is sought by proofs, which takes seconds; the order of a larger object
 is sketched, and proven once."""
-_NAMED = 6
-"""How many cells a refusal names."""
+_ADVICE = {
+    "count": "Make it smaller, or get more parts and tell of them (`limits.inventory_parts`, "
+    "`cellctl refill`).",
+    "connectivity": "Join the pieces by parts that touch face to face, or plan each by itself.",
+    "grounded": "Move it down until a part is in layer 0.",
+    "access": "Set something beneath these cells, or beside them in their layer.",
+    "order": "Plan it anew from its cells.",
+    "stability": "Support these cells from beneath, or plan it anew from its cells.",
+    "overhang": "Let these cells reach out less far, or plan by the policy `cellctl`.",
+    "stack": "Give this column a neighbour or make it lower, or plan by the policy `cellctl`.",
+}
+"""What to do about a check that failed, by its name."""
+_PAPER_ADVICE = _ADVICE | dict.fromkeys(("connectivity", "access"), _ADVICE["order"])
+"""The same where the paper's policy judges a given order: these two are about the order then."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +119,7 @@ def redraft(order: Sequence[Cell], physics: Physics, gripper: Gripper, parts: in
         if blockers := gripper.blockers(cell, placed):
             raise PlanError(
                 f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
-                f"{', '.join(str(list(one)) for one in blockers[:_NAMED])}.",
+                f"{words.named(blockers)}.",
                 "Plan it anew from its cells.",
                 rule="access",
                 cells=(cell, *blockers),
@@ -139,7 +152,7 @@ def paper_redraft(
     """
     cells = frozenset(order)
     checks = judge(cells, PaperOrder(tuple(order)), limits, parts)
-    refuse_failed(checks)
+    refuse_failed(checks, _PAPER_ADVICE)
     return paper_draft(PaperPlan(cells, tuple(order), checks, ()), physics)
 
 
@@ -157,7 +170,7 @@ def check_order(order: Sequence[Cell]) -> Check:
         tops[cell.x, cell.y] = max(cell.z, tops.get((cell.x, cell.y), -1))
     tight = len(tight_fits(order))
     message = (
-        f"{len(wrong)} parts would float, or go beneath another."
+        f"{words.parts(len(wrong))} would float, or go beneath another."
         if wrong
         else "Every part rests on the floor or touches one before it; "
         f"{tight or 'none'} go{'es' if tight == 1 else ''} between two others."
@@ -189,14 +202,14 @@ def check_stability(
     return Check(name="stability", passed=True, message=message)
 
 
-def refuse_failed(checks: Sequence[Check]) -> None:
+def refuse_failed(checks: Sequence[Check], advice: Mapping[str, str] = _ADVICE) -> None:
     """Raises PlanError for the first check that failed, naming its rule and cells."""
     for check in checks:
         if not check.passed:
-            places = ", ".join(str(list(cell)) for cell in check.cells[:_NAMED])
-            more = f" and {len(check.cells) - _NAMED} more" if len(check.cells) > _NAMED else ""
             raise PlanError(
-                f"It breaks the rule of {check.name}: {check.message} Cells: {places}{more}.",
+                f"It breaks the rule of {check.name}: {check.message} "
+                f"Cells: {words.named(check.cells)}.",
+                advice[check.name],
                 rule=check.name,
                 cells=check.cells,
             )

@@ -21,6 +21,7 @@ from cellctl.validating.layer_search import Search, search_layer
 from cellctl.validating.rules import Cells, pieces
 from cellctl.validating.stability import Physics, Verdict, assess
 from cellctl.validating.stability.growth import GOOD_MARGIN, Growth
+from cellctl.validating.words import named
 
 _TRIED = 4
 """Most orders of one layer that are proven, of those that squeeze in the fewest parts, and again of
@@ -165,7 +166,7 @@ def _reachable(layer: Cells, standing: Cells, gripper: Gripper) -> list[LayerOrd
         if blockers := gripper.blockers(cell, standing):
             raise PlanError(
                 f"It breaks the rule of access: the part at {list(cell)} cannot come down past "
-                f"{_named(blockers)}.",
+                f"{named(blockers)}.",
                 "Take these away first.",
                 rule="access",
                 cells=(cell, *blockers),
@@ -174,7 +175,7 @@ def _reachable(layer: Cells, standing: Cells, gripper: Gripper) -> list[LayerOrd
     if not candidates:
         raise PlanError(
             "It breaks the rule of access: no part of their layer or beneath carries some of "
-            f"{_named(sorted(layer))} when their turn comes.",
+            f"{named(sorted(layer))} when their turn comes.",
             "Set something beneath them, or beside them in their layer.",
             rule="access",
             cells=tuple(sorted(layer)),
@@ -235,16 +236,11 @@ def _refusal(best: Laid, start: Growth, physics: Physics) -> PlanError:
 
 def _lacking(verdict: Verdict, physics: Physics) -> str:
     """What a state lacks, in words."""
-    named = _named(sorted(verdict.moving))
+    places = named(sorted(verdict.moving))
     if verdict.weakest is None:
-        return f"nothing holds the cells {named}, however strong the magnets are."
+        return f"nothing holds the cells {places}, however strong the magnets are."
     factor = physics.least_margin / verdict.margin
     return (
         f"The joint {verdict.weakest.describe()} would have to be {factor:.2f} times as strong to "
-        f"hold the cells {named}."
+        f"hold the cells {places}."
     )
-
-
-def _named(cells: tuple[Cell, ...] | list[Cell]) -> str:
-    shown = ", ".join(str(list(cell)) for cell in cells[:6])
-    return f"{shown} and {len(cells) - 6} more" if len(cells) > 6 else shown

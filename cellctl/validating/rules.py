@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cellctl.assembly import Cell, Check
+from cellctl.validating import words
 
 Cells = frozenset[Cell]
 
@@ -93,14 +94,19 @@ def unsupported_stacks(cells: Cells, limit: int) -> tuple[int, frozenset[Cell]]:
 def check_count(cells: Cells, parts: int) -> Check:
     """No more parts than there are."""
     passed = len(cells) <= parts
-    message = f"{len(cells)} parts; {parts} are there."
+    message = f"{words.parts(len(cells))}; {words.counted(parts, 'is', 'are')} there."
     return Check(name="count", passed=passed, message=message, cells=() if passed else _all(cells))
 
 
 def check_stack(cells: Cells, limit: int) -> Check:
     """No free-standing column higher than the limit."""
     longest, beyond = unsupported_stacks(cells, limit)
-    message = f"The highest column without a neighbour is {longest} parts; {limit} stand."
+    message = (
+        f"The highest column without a neighbour is {words.parts(longest)} high; "
+        f"the limit is {limit}."
+        if longest
+        else "No column is without a neighbour."
+    )
     return Check(name="stack", passed=not beyond, message=message, cells=_all(beyond))
 
 
@@ -119,7 +125,8 @@ def check_connectivity(cells: Cells) -> Check:
 def check_grounded(cells: Cells) -> Check:
     """Something stands on the floor."""
     feet = sum(1 for cell in cells if cell.z == 0)
-    message = f"{feet} parts stand on the floor." if feet else "Nothing stands on the floor."
+    standing = words.parts(feet, "stands", "stand")
+    message = f"{standing} on the floor." if feet else "Nothing stands on the floor."
     return Check(
         name="grounded", passed=feet > 0, message=message, cells=() if feet else _all(cells)
     )
@@ -142,7 +149,7 @@ def check_access(cells: Cells) -> Check:
     message = (
         "Every part can be placed from above."
         if not cut_off
-        else f"{len(cut_off)} parts would have to hang from parts above them."
+        else f"{words.parts(len(cut_off))} would have to hang from what is above."
     )
     return Check(name="access", passed=not cut_off, message=message, cells=_all(cut_off))
 

@@ -84,6 +84,11 @@ def changeover() -> BuildPlan:
     return plan_of(steps, (Cell(0, 0, 0), Cell(0, 0, 1), Cell(0, 0, 2)))
 
 
+def standing_already() -> BuildPlan:
+    """The beam is wanted where it stands: no step is left."""
+    return plan_of((), BEAM)
+
+
 def taking_apart() -> BuildPlan:
     """Every part of the beam goes, the last one placed first."""
     steps = tuple(

@@ -12,8 +12,9 @@ import trimesh
 
 from cellctl.assembly import BuildPlan
 from cellctl.cli.app import main
-from cellctl.cli.plan_command import adjusted, input_kind, make_plan
+from cellctl.cli.plan_command import make_plan
 from cellctl.cli.plan_files import robot_side
+from cellctl.cli.plan_options import adjusted, input_kind
 from cellctl.cli.plan_report import PlanReport
 from cellctl.config import load_config
 from cellctl.errors import UsageError
@@ -179,6 +180,10 @@ def test_a_shape_that_breaks_a_rule_is_reported(run: Run, tmp_path: Path) -> Non
         (("a stool", "--up", "y"), "only a mesh can be turned"),
         (("x.json", "--height-m", "1"), "cells have their size already"),
         (("a stool", "--budget-s", "0"), "--budget-s 0: no budget"),
+        (("x.json", "--budget-s", "5"), "never improved"),
+        (("a stool", "--budget-s", "5", "--policy", "paper"), "improves nothing"),
+        (("x.json", "--take-apart", "--policy", "paper"), "the policy cellctl only"),
+        (("a stool", "--standing", "x.json", "--policy", "paper"), "the policy cellctl only"),
         (("a stool", "--up", "x"), "--up"),
         (("a stool", "--policy", "luck"), "--policy"),
         (("a stool", "--picture", "x.jpg"), "writes PNG files only"),
@@ -269,12 +274,64 @@ def test_what_stands_is_taken_apart_or_becomes_something_else(run: Run, tmp_path
 
     status, out, err = run(bench, "--standing", post, "--json", str(report))
     assert (status, err) == (0, "")
-    assert "1 of 2 parts stay; 2 moves instead of 4" in out
+    assert "1 of 2 parts stays; 2 moves instead of 4" in out
     assert "2 parts, 20 x 10 x 10 cm" in out
     changed = reported(report)
     assert [step.kind for step in changed.placements] == ["remove", "place"]
     assert (2, 2, 0) in changed.cells
     assert len(changed.cells) == 2
+
+
+def test_what_stands_already_is_drawn_and_told(run: Run, tmp_path: Path) -> None:
+    post = cells_file(tmp_path / "post.json", (2, 2, 0), (2, 2, 1))
+    picture, steps = tmp_path / "x.png", tmp_path / "x.glb"
+    status, out, err = run(
+        *(post, "--standing", post, "--steps", str(steps), "--picture", str(picture))
+    )
+    assert (status, err) == (0, "")
+    assert "post: 2 parts, 10 x 10 x 20 cm, standing already" in out
+    assert "It stands already; nothing is moved." in out
+    assert "moves instead" not in out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert len(trimesh.load_scene(steps).graph.nodes_geometry) == 2
+
+
+def test_a_single_part_is_told_in_the_singular(run: Run, tmp_path: Path) -> None:
+    one = cells_file(tmp_path / "one.json", (2, 2, 0))
+    status, out, _ = run(one)
+    assert status == 0
+    assert "count: 1 part;" in out
+    assert "1 part stands on the floor." in out
+    assert "1 parts" not in out
+    status, out, _ = run(one, "--policy", "paper")
+    assert status == 0
+    assert "1 parts" not in out
+    status, out, _ = run(one, "--take-apart")
+    assert status == 0
+    assert "taken apart in 1 step\n" in out
+    assert "1 part is p" in out
+    assert " 0 " not in out.split("removal:")[1].split(";")[0]
+
+
+def test_a_plan_is_not_planned_by_another_policy(run: Run, tmp_path: Path) -> None:
+    cells = cells_file(tmp_path / "post.json", (2, 2, 0), (2, 2, 1))
+    plan = tmp_path / "plan.json"
+    status, out, _ = run(cells, "--policy", "paper", "--plan", str(plan))
+    assert status == 0
+    assert "by the policy 'paper'" in out
+    for more in ((), ("--standing", cells)):
+        status, out, err = run(str(plan), "--policy", "cellctl", *more)
+        assert (status, out) == (2, "")
+        assert "the policy that the cell is configured for" in " ".join(err.split())
+
+
+def test_a_refusal_is_told_once_and_says_what_to_do(run: Run, tmp_path: Path) -> None:
+    apart = cells_file(tmp_path / "apart.json", (0, 0, 0), (2, 0, 0))
+    status, out, err = run(apart)
+    assert (status, out) == (4, "")
+    assert "It breaks the rule of connectivity" in err
+    assert "what to do:" in err
+    assert "touch face to face" in err
 
 
 def test_what_stands_is_told_by_its_cells(run: Run, tmp_path: Path) -> None:

@@ -15,7 +15,16 @@ import trimesh
 from cellctl.assembly import BuildPlan, Cell
 from cellctl.cli.plan_glb import LONGEST_S, STEP_S, steps_glb
 from cellctl.cli.plan_steps import lives_of
-from tests.cli.plans import BEAM, WEAKEST, beam, changeover, placing, plan_of, taking_apart
+from tests.cli.plans import (
+    BEAM,
+    WEAKEST,
+    beam,
+    changeover,
+    placing,
+    plan_of,
+    standing_already,
+    taking_apart,
+)
 
 TYPES = {"SCALAR": 1, "VEC3": 3}
 
@@ -152,6 +161,14 @@ def test_without_its_animation_the_file_shows_the_finished_object() -> None:
             if node["name"] != "weakest joint" and node.get("scale") != [0.0, 0.0, 0.0]
         ]
         assert sorted(visible) == sorted(plan.assembly.cells)
+
+
+def test_a_plan_without_steps_is_its_object_at_rest() -> None:
+    parsed = Parsed(steps_glb(standing_already()))
+    assert [node["name"] for node in parsed.tree["nodes"]] == [
+        f"standing {list(cell)}" for cell in sorted(BEAM, key=lambda c: (c.z, c.x, c.y))
+    ]
+    assert "animations" not in parsed.tree
 
 
 def test_many_steps_follow_each_other_faster() -> None:

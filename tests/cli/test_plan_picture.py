@@ -12,7 +12,7 @@ from matplotlib.image import imread
 from cellctl.assembly import BuildPlan
 from cellctl.cli.plan_picture import DPI, HEIGHT_IN, WIDTH_IN, draw_steps
 from cellctl.errors import UsageError
-from tests.cli.plans import beam, changeover, placing, plan_of, taking_apart
+from tests.cli.plans import beam, changeover, placing, plan_of, standing_already, taking_apart
 
 GRID = (4, 3, 4)
 
@@ -60,6 +60,15 @@ def test_plans_that_take_away_can_be_drawn(tmp_path: Path, plan: BuildPlan) -> N
     height, width, _ = pixels.shape
     for half in (pixels[: height // 2, width // 2 :], pixels[:, : width // 2]):
         assert int(np.sum(np.abs(half - pixels[0, 0]).max(axis=2) > 20)) > 5000
+
+
+def test_a_plan_without_steps_is_drawn_as_its_object_alone(tmp_path: Path) -> None:
+    pixels = draw(tmp_path / "steps.png", standing_already())
+    inked = np.abs(pixels - pixels[0, 0]).max(axis=2) > 20
+    inked[: inked.shape[0] // 5] = False  # title and caption
+    columns = np.flatnonzero(inked.any(axis=0))
+    assert abs(columns.mean() / pixels.shape[1] - 0.5) < 0.1  # in the middle, and nothing beside it
+    assert inked.sum() > 20000
 
 
 def test_one_part_and_a_long_title_can_be_drawn(tmp_path: Path) -> None:

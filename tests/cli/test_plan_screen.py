@@ -23,7 +23,7 @@ from cellctl.cli.plan_screen import (
 from cellctl.config import load_config
 from cellctl.errors import Nearest
 from tests.cell.harness import CONFIG
-from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, taking_apart
+from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, standing_already, taking_apart
 
 SETTINGS = load_config(CONFIG)
 ASKED = PlanInput(given="a beam", kind="sentence")
@@ -127,6 +127,19 @@ def test_a_plan_that_leaves_nothing_says_so() -> None:
     assert "taken apart" in printed(report)
 
 
+def test_one_step_is_no_plural() -> None:
+    plan = plan_of(taking_apart().steps[:1], ())
+    assert headline(report_plan(plan, ASKED, SETTINGS, 0.0)) == "beam: taken apart in 1 step"
+
+
+def test_a_plan_without_steps_says_that_it_stands_already() -> None:
+    report = report_plan(standing_already(), ASKED, SETTINGS, 0.0)
+    assert headline(report) == "beam: 4 parts, 30 x 10 x 20 cm, standing already"
+    assert summary(report) == "4 parts, 30 x 10 x 20 cm, standing already"
+    assert margin_words(report) == ""
+    assert "# stood before." in printed(report)
+
+
 def test_one_line_for_a_caption() -> None:
     assert summary(reported()) == "4 parts, 30 x 10 x 20 cm, margin 1.50, about 20 s"
 
@@ -140,12 +153,22 @@ def test_durations_are_told_in_minutes_when_they_are_long() -> None:
     ]
 
 
-def test_a_refusal_shows_cells_and_the_nearest_thing() -> None:
+@pytest.mark.parametrize(
+    ("message", "shown"),
+    [
+        ("It breaks the rule of overhang.", ("[0, 0, 1], [1, 0, 1]", "and 4 more.", "shorter arm")),
+        ("Cells: [0, 0, 1], [1, 0, 1] and 8 more.", ("a shorter arm.",)),
+        ("Cells: [0, 0, 1]. What could be built: a shorter arm.", ()),
+    ],
+)
+def test_a_refusal_shows_what_its_message_does_not_say(
+    message: str, shown: tuple[str, ...]
+) -> None:
     console = Console(file=io.StringIO(), width=COLUMNS)
     cells = tuple(Cell(x, 0, 1) for x in range(10))
     refused = Refused(
         rule="overhang",
-        message="",
+        message=message,
         hint="",
         cells=cells,
         nearest=Nearest(what="a shorter arm."),
@@ -154,6 +177,6 @@ def test_a_refusal_shows_cells_and_the_nearest_thing() -> None:
     show_refusal(console, refused)
     assert isinstance(console.file, io.StringIO)
     text = " ".join(console.file.getvalue().split())
-    assert "the rule of overhang at [0, 0, 1], [1, 0, 1]" in text
-    assert "and 2 more." in text
-    assert "What could be built: a shorter arm." in text
+    assert all(words in text for words in shown)
+    assert ("[0, 0, 1]" in text) == ("[0, 0, 1]" not in message)
+    assert bool(text) == bool(shown)

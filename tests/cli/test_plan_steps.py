@@ -6,7 +6,7 @@ import pytest
 
 from cellctl.assembly import Cell
 from cellctl.cli.plan_steps import FIRST_TO_LAST, STANDING, Life, lives_of, moments, order_colour
-from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, taking_apart
+from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, standing_already, taking_apart
 
 
 def standing(lives: tuple[Life, ...], steps: int) -> set[Cell]:
@@ -17,6 +17,12 @@ def test_parts_stand_from_the_step_that_places_them_on() -> None:
     lives = lives_of(beam())
     for done in range(len(BEAM) + 1):
         assert standing(lives, done) == set(BEAM[:done])
+
+
+def test_without_steps_everything_stood_before_and_no_moment_is_shown() -> None:
+    plan = standing_already()
+    assert standing(lives_of(plan), 0) == set(BEAM)
+    assert moments(plan, 6) == ()
 
 
 def test_what_is_taken_away_stood_before_and_what_has_no_step_stays() -> None:

@@ -19,6 +19,7 @@ from cellctl.validating.changing.moves import Belt, Judge, Move, find_moves
 from cellctl.validating.order import find_order
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
+from cellctl.validating.words import counted, parts
 
 _PLACES = 6
 """How many places of the wanted object are worked out before the best so far is taken."""
@@ -71,9 +72,10 @@ def change_over(
     if not wanted:
         raise PlanError("There are no cells to change to.", "Name at least one cell.")
     if belt is not None and len(wanted) > belt.parts + len(standing):
+        stand = counted(len(standing), "stands", "stand")
+        lie = counted(belt.parts, "lies", "lie")
         raise PlanError(
-            f"The next object takes {len(wanted)} parts; {len(standing)} stand and {belt.parts} "
-            "lie on the belt.",
+            f"The next object takes {parts(len(wanted))}; {stand} and {lie} on the belt.",
             "Put parts on the belt, or ask for a smaller object.",
         )
     places = alignments(standing, wanted, grid, mirrors=mirrors, reachable=reachable)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from cellctl.validating.changing.preference import placing_cost, removal_cost
 from cellctl.validating.changing.removal import Removal, assess_removal
 from cellctl.validating.rules import Cells, lateral, supported
 from cellctl.validating.stability import Physics, Verdict, assess
+from cellctl.validating.words import named, parts
 
 _ATTEMPTS_A_MOVE = 3
 """How many removals and placements are judged for each that is made, before a search ends."""
@@ -73,7 +74,7 @@ class Judge:
         """Taking a part; None if it is covered, or the rest does not bear it."""
         left = cells - {cell}
         if blocking := self.gripper.blockers(cell, left):
-            self.refusals[cell] = f"{_named(blocking)} in the way of the gripper"
+            self.refusals[cell] = f"{named(blocking)} in the way of the gripper"
             return None
         self.judged += 1
         found = assess_removal(cells, cell, self.physics, self.rests(left))
@@ -189,7 +190,7 @@ def _stuck(state: _State, judge: Judge) -> PlanError:
     belt, left = state.belt, state.removing or state.placing
     if belt is not None and state.removing and belt.parts >= belt.capacity:
         return PlanError(
-            f"The belt is full; {len(left)} parts that must come off have no room on it.",
+            f"The belt is full; {parts(len(left), 'has', 'have')} to come off and no room on it.",
             "Take parts off the belt and count them first.",
         )
     ordered = sorted(left, key=lambda c: (-c.z, c.x, c.y))
@@ -200,9 +201,8 @@ def _stuck(state: _State, judge: Judge) -> PlanError:
         if state.removing
         else ("placed", "Clear the workspace and plan the object anew, or ask for another one.")
     )
-    many = "1 part" if len(left) == 1 else f"{len(left)} parts"
-    found = f"{many} cannot be {what} so that every state stands."
-    return PlanError(f"{found} {reasons}.", hint)
+    found = f"{parts(len(left))} cannot be {what} so that every state stands."
+    return PlanError(f"{found} {reasons}." if reasons else found, hint)
 
 
 def _reason(verdict: Verdict) -> str:
@@ -211,14 +211,7 @@ def _reason(verdict: Verdict) -> str:
             f"the joint {verdict.weakest.describe()} would give way first "
             f"(margin {verdict.margin:.2f})"
         )
-    return f"{_named(verdict.moving)} would fall"
-
-
-def _named(cells: Iterable[Cell]) -> str:
-    named = [str(list(cell)) for cell in sorted(cells)]
-    some = ", ".join(named[:3])
-    more = f" and {len(named) - 3} more" if len(named) > 3 else ""
-    return f"{some}{more}"
+    return f"{named(sorted(verdict.moving))} would fall"
 
 
 def removal_order(
@@ -243,6 +236,6 @@ def removal_order(
         PlanError: there is no such order, or none was found; it names the parts and joints.
     """
     if strangers := keep - standing:
-        raise PlanError(f"{_named(strangers)} cannot be kept: nothing stands there.")
+        raise PlanError(f"{named(sorted(strangers))} cannot be kept: nothing stands there.")
     moves = find_moves(standing, standing - keep, frozenset(), Judge(physics, gripper), belt)
     return tuple(move.removal for move in moves if move.removal is not None)

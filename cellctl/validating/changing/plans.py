@@ -12,11 +12,13 @@ from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step, Tak
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
+from cellctl.validating.changing.breaking import How
 from cellctl.validating.changing.changeover import ChangeOver, change_over
 from cellctl.validating.changing.moves import Belt, Judge, Move, find_moves
 from cellctl.validating.changing.removal import Removal
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
+from cellctl.validating.words import count, listed, parts
 
 
 def plan_removal(
@@ -45,7 +47,7 @@ def plan_removal(
     belt = _belt(config, len(standing), parts_on_belt)
     if len(standing - keep) > belt.capacity - belt.parts:
         raise PlanError(
-            f"{len(standing - keep)} parts would come back; the belt has room for "
+            f"{parts(len(standing - keep))} would come back; the belt has room for "
             f"{belt.capacity - belt.parts} more.",
             "Take parts off the belt and count them first.",
         )
@@ -155,6 +157,9 @@ def _take_off(removal: Removal, pitch_m: float) -> TakeOff:
 
 def _checks(moves: Sequence[Move], config: CellConfig) -> tuple[Check, ...]:
     """What was proven, with its figures."""
+    if not moves:
+        still = "Nothing is moved; it stands as it did."
+        return (Check(name="stability", passed=True, message=still),)
     least = min((move.margin for move in moves), default=math.inf)
     much = (
         "need none of their pull" if math.isinf(least) else f"hold {least:.2f} times what is asked"
@@ -174,19 +179,33 @@ def _checks(moves: Sequence[Move], config: CellConfig) -> tuple[Check, ...]:
         Check(
             name="removal",
             passed=True,
-            message=f"{ways['peel']} parts are peeled off, {ways['twist']} twisted and "
-            f"{ways['pull']} pulled; the arm needs {most_n:.0f} N at most.",
+            message=f"{_ways(ways)}; the arm needs {most_n:.0f} N at most.",
         ),
     )
 
 
+def _ways(ways: Counter[How]) -> str:
+    """``2 parts are peeled off and 1 pulled off``: how many come off which way, where any does."""
+    done: tuple[tuple[How, str], ...] = (
+        ("peel", "peeled off"),
+        ("twist", "twisted off"),
+        ("pull", "pulled off"),
+    )
+    (number, word), *others = [(ways[way], word) for way, word in done if ways[way]]
+    first = f"{parts(number, 'is', 'are')} {word}"
+    return listed([first, *(f"{number} {word}" for number, word in others)])
+
+
 def _told(found: ChangeOver, standing: int) -> tuple[Change, ...]:
     """What a visitor is told of a change-over."""
-    moves = found.moves + found.moves_saved
+    anew = found.moves + found.moves_saved
+    kept = len(found.kept)
+    stay = f"{kept} of {parts(standing)} {'stays' if kept == 1 else 'stay'}"
     told = [
         Change(
-            what=f"{len(found.kept)} of {standing} parts stay; {found.moves} "
-            f"{'move' if found.moves == 1 else 'moves'} instead of {moves}.",
+            what=f"{stay}; {count(found.moves, 'move')} instead of {anew}."
+            if found.moves
+            else "It stands already; nothing is moved.",
             why="What both objects have in common need not be built again.",
         )
     ]

@@ -19,15 +19,13 @@ from typing import Final
 from cellctl.assembly import Cell, Change, Check
 from cellctl.config import LimitsSection
 from cellctl.errors import PlanError
+from cellctl.validating import words
 from cellctl.validating.fit import Shape
 from cellctl.validating.paper.counting import within_count
 from cellctl.validating.paper.scaling import Rescaled, occupy, to_corner
 from cellctl.validating.paper.sequencing import Order, connectivity_order, naive_order
 from cellctl.validating.paper.steadying import cantilevers, unseen, within_overhang, within_stack
 from cellctl.validating.rules import Cells, check_count, check_stack
-
-_NAMED = 6
-"""How many cells a refusal names."""
 
 
 class Module(StrEnum):
@@ -129,11 +127,9 @@ def _accepted(
     checks = judge(cells, order, limits, parts)
     for check in checks:
         if not check.passed:
-            places = ", ".join(str(list(cell)) for cell in check.cells[:_NAMED])
-            more = f" and {len(check.cells) - _NAMED} more" if len(check.cells) > _NAMED else ""
             raise PlanError(
                 f"It breaks the paper's rule of {check.name}: {check.message} "
-                f"Cells: {places}{more}.",
+                f"Cells: {words.named(check.cells)}.",
                 'Ask for another shape, or plan with planning.policy = "cellctl".',
                 rule=check.name,
                 cells=check.cells,
@@ -146,17 +142,22 @@ def _check_overhang(cells: Cells, limit: int) -> Check:
     longest = len(rows[0].cells) if rows else 0
     beyond = frozenset(cell for row in rows for cell in row.cells[limit:])
     blind = len(unseen(cells))
-    message = f"The longest straight overhang is {longest} parts; {limit} hold."
+    message = (
+        f"The longest straight overhang is {words.parts(longest)}; the limit is {limit}."
+        if longest
+        else "No row hangs out straight from a part that rests."
+    )
     if blind:
         message += (
-            f" The rule does not see rows in which no part rests: {blind} of {len(cells)} parts."
+            " The rule does not see rows in which no part rests: "
+            f"{blind} of {words.parts(len(cells))}."
         )
     return Check(name="overhang", passed=not beyond, message=message, cells=_by_layer(beyond))
 
 
 def _check_connectivity(order: Order) -> Check:
     message = (
-        f"{len(order.mid_air)} of {len(order.cells)} parts would be put into the air."
+        f"{len(order.mid_air)} of {words.parts(len(order.cells))} would be put into the air."
         if order.mid_air
         else "Every part is joined to the floor when it is placed."
     )
@@ -171,7 +172,8 @@ def _check_connectivity(order: Order) -> Check:
 def _check_access(order: Order) -> Check:
     beneath = order.beneath
     message = (
-        f"{len(beneath)} of {len(order.cells)} parts would be put beneath parts that stand already."
+        f"{len(beneath)} of {words.parts(len(order.cells))} would be put beneath what stands "
+        "already."
         if beneath
         else "Every part can be lowered into its place."
     )

@@ -25,6 +25,7 @@ from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
 from cellctl.validating.rules import Cells, size_of
 from cellctl.validating.rules import to_corner as moved_to_corner
+from cellctl.validating.words import times
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,6 @@ def to_corner(cells: Iterable[Cell]) -> Cells:
 
 def resized(before: Cells, after: Rescaled, why: str) -> Rescaled:
     """The outcome of a rescaling with its change put in words, behind those from before it."""
-    old, new = (" x ".join(str(n) for n in size_of(cells)) for cells in (before, after.cells))
+    old, new = (times(size_of(cells)) for cells in (before, after.cells))
     what = f"It is {new} parts large instead of {old} (wide, deep, high)."
     return Rescaled(after.shape, after.cells, (*after.changes, Change(what=what, why=why)))

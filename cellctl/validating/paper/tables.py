@@ -14,6 +14,7 @@ from cellctl.validating.paper.sequencing import Order, naive_order
 from cellctl.validating.paper.steadying import longest_overhang, within_overhang, within_stack
 from cellctl.validating.paper.workbench import Outcome, Workbench, Worked
 from cellctl.validating.rules import size_of
+from cellctl.validating.words import times
 
 
 def count_table(bench: Workbench) -> Table:
@@ -178,4 +179,4 @@ def _mid_air(order: Order) -> str:
 
 
 def _size(found: Rescaled) -> str:
-    return " x ".join(str(edge) for edge in size_of(found.cells))
+    return times(size_of(found.cells))
