@@ -12,7 +12,8 @@ from collections.abc import Set as AbstractSet
 
 from cellctl.assembly import BuildPlan, Cell, Check, Step, StepKind
 from cellctl.config import CellConfig
-from cellctl.validating.checker_statics import stands
+from cellctl.validating.checker_removal import taking_off
+from cellctl.validating.checker_statics import Standing
 
 _WRIST_M = 0.24
 """Width of the arm's wrist, which follows the gripper down."""
@@ -34,9 +35,10 @@ def verify(
         standing: what stands before the first step.
 
     Returns:
-        One check each of steps, inventory, workspace, grounding, access, stability and end shape,
-        in this order. A check that fails names the cells. Stability is judged up to the first
-        step that something else makes impossible.
+        One check each of steps, inventory, workspace, grounding, access, stability, removal (if
+        parts are taken) and end shape, in this order. A check that fails names the cells. Stability
+        and removal are judged up to the first step that something else makes impossible or that
+        does not hold.
     """
     available = config.limits.inventory_parts if parts is None else parts
     states = list(_states(plan, standing))
@@ -50,7 +52,7 @@ def verify(
         _workspace(plan, config, standing),
         _grounding(states, standing),
         _access(states, config),
-        _stability(judged, standing, config),
+        *_held(judged, standing, config),
         _end_shape(plan, states, standing),
     )
 
@@ -163,26 +165,47 @@ def _access(states: list[State], config: CellConfig) -> Check:
     return _check("access", "The gripper reaches every part from above.", wrong)
 
 
-def _stability(states: list[State], standing: frozenset[Cell], config: CellConfig) -> Check:
-    """Every state stands at rest, and each part can be pressed in, with the least margin."""
+def _held(states: list[State], standing: frozenset[Cell], config: CellConfig) -> tuple[Check, ...]:
+    """Every state stands: at rest, while parts are pressed in, and while they come off.
+
+    The checks of stability and, if parts are taken, of removal; both end with the first step that
+    does not hold.
+    """
     least = config.stability.least_margin
-    if standing and not stands(standing, config):
-        return _check("stability", "What stands before the first step would fall.", list(standing))
-    settled: frozenset[Cell] | None = None
-    for step, before in states:
+    everything = standing | {step.cell for step, _ in states}
+    now = Standing(everything, config, standing)
+    removals = any(step.kind is StepKind.REMOVE for step, _ in states)
+    wrong, unheld, unmoved = "", list[Cell](), list[Cell]()
+    if standing and not now.rests():
+        wrong, unheld = "What stands before the first step would fall.", list(standing)
+    for step, before in states if not unheld else ():
         placing = step.kind is StepKind.PLACE
-        after = _after(step, before)
-        if not stands(after, config, step.cell if placing else None):
+        if not (now.place(step.cell) if placing else now.remove(step.cell)):
             word = "placed" if placing else "taken"
-            message = f"When {list(step.cell)} is {word}, the joints bear less than {least:g} times"
-            return _check("stability", f"{message} what is asked of them.", [step.cell])
-        settled = after
+            wrong = f"When {list(step.cell)} is {word}, the joints bear less than {least:g} times "
+            wrong, unheld = f"{wrong}what is asked of them.", [step.cell]
+            break
+        if not placing and (why := _comes_off(now, step, before, config)):
+            wrong, unmoved = f"When {list(step.cell)} comes off: {why}.", [step.cell]
+            break
     message = (
         f"Every one of {len(states)} states bears {least:g} times its load."
-        if settled is not None
+        if states
         else "There is no state to judge."
     )
-    return _check("stability", message, [])
+    stability = _check("stability", wrong if unheld else message, unheld)
+    if not removals:
+        return (stability,)
+    message = f"Every part comes off as stated, and the rest bears {least:g} times what it does."
+    return (stability, _check("removal", wrong if unmoved else message, unmoved))
+
+
+def _comes_off(now: Standing, step: Step, before: frozenset[Cell], config: CellConfig) -> str:
+    """Why a part cannot be taken in the stated way, in words; empty if it can. It is gone now."""
+    way = taking_off(before, step.cell, step.take_off, config)
+    if not way.wrong and not now.bears(way.loads):
+        return "the joints of the rest bear less than what that asks of them"
+    return way.wrong
 
 
 def _end_shape(plan: BuildPlan, states: list[State], standing: frozenset[Cell]) -> Check:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import random
+from typing import Any
+
+import numpy as np
 import pytest
 
-from cellctl.assembly import Cell, Check, StepKind
+from cellctl.assembly import BuildPlan, Cell, Check, StepKind, TakeOff
 from cellctl.config import CellConfig
 from cellctl.generating.boxes import Box
+from cellctl.validating.changing import plan_removal
+from cellctl.validating.changing.breaking import breakings
 from cellctl.validating.checker import verify
-from cellctl.validating.checker_statics import stands
+from cellctl.validating.checker_removal import taking_off
+from cellctl.validating.checker_statics import Standing, stands
 from cellctl.validating.stability import Physics, assess
 from tests.validating.plans import plan_of
 from tests.validating.random_solids import random_solid
 from tests.validating.shapes import CONFIG, cells_of
+from tests.validating.structures import buildable, shelf
 
 BENCH = (
     *(Cell(x, 0, z) for z in range(2) for x in (0, 3)),
@@ -153,3 +161,116 @@ def test_both_formulations_agree_on_any_state(seed: int, contact: str, floor: st
 
 def test_a_block_stands_without_magnets() -> None:
     assert stands(cells_of(Box(0, 0, 0, 2, 2, 2)), stability(magnet_force_n=0.001))
+
+
+@pytest.mark.parametrize("contact", ["diamond", "square"])
+@pytest.mark.parametrize("floor", ["grips", "bare"])
+@pytest.mark.parametrize("seed", range(6))
+def test_both_formulations_agree_at_every_step(seed: int, contact: str, floor: str) -> None:
+    """What is carried over from state to state never passes a state that falls, nor the reverse."""
+    config, dice = stability(contact=contact, floor=floor), random.Random(seed)  # noqa: S311
+    physics = Physics.of(config)
+    shape = buildable(seed, 16)
+    now, walk = set[Cell](), Standing(shape, config, frozenset())
+    for _ in range(40):
+        free = [c for c in sorted(shape - now) if c.z == 0 or any(n in now for n in c.neighbours())]
+        if now and (not free or dice.random() < 0.3):
+            cell = dice.choice(sorted(now))
+            now.discard(cell)
+            held, margin = walk.remove(cell), assess(frozenset(now), physics).margin
+        else:
+            cell = dice.choice(free)
+            now.add(cell)
+            held, margin = walk.place(cell), assess(frozenset(now), physics, cell).margin
+        assert held is (margin >= 1.0)
+        if not held:
+            break
+
+
+@pytest.mark.parametrize("contact", ["diamond", "square"])
+@pytest.mark.parametrize("floor", ["grips", "bare"])
+@pytest.mark.parametrize("seed", range(6))
+def test_both_work_out_the_same_loads_as_a_part_comes_off(
+    seed: int, contact: str, floor: str
+) -> None:
+    config = stability(contact=contact, floor=floor)
+    physics, cells = Physics.of(config), buildable(seed, 14)
+    half_m = physics.pitch_m / 2
+    units = np.repeat([physics.magnet_force_n, physics.magnet_force_n * half_m], 3)
+    for cell in sorted(cells):
+        found = breakings(cells, cell, physics)
+        for breaking in found:
+            hinge = breaking.way.hinge
+            stated = TakeOff(
+                how=breaking.way.how,
+                direction=breaking.way.direction,
+                hinge_m=hinge and (hinge.towards * half_m, hinge.up * half_m),
+                force_n=breaking.force_n,
+            )
+            judged = taking_off(cells, cell, stated, config)
+            assert judged.wrong == ""
+            assert judged.loads.keys() == breaking.loads.keys()
+            for beside, load in breaking.loads.items():
+                assert judged.loads[beside] * units == pytest.approx(load, abs=1e-6)
+            less = stated.model_copy(update={"force_n": breaking.force_n * 0.985})
+            assert "takes" in taking_off(cells, cell, less, config).wrong
+
+
+def taken_apart() -> tuple[BuildPlan, frozenset[Cell]]:
+    cells = shelf(4, 4, 2, 3)
+    return plan_removal(cells, CONFIG), cells
+
+
+def with_take_offs(plan: BuildPlan, **options: object) -> BuildPlan:
+    steps = []
+    for step in plan.steps:
+        assert step.take_off is not None
+        steps.append(step.model_copy(update={"take_off": step.take_off.model_copy(update=options)}))
+    return plan.model_copy(update={"steps": tuple(steps)})
+
+
+def test_a_stated_way_of_taking_apart_is_judged() -> None:
+    plan, cells = taken_apart()
+    checks = verify(plan, CONFIG, standing=cells)
+    assert failed(checks) == {}
+    assert [check.name for check in checks][-2:] == ["removal", "end shape"]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"how": "pull", "force_n": 0.0},
+        {"how": "pull", "force_n": 1000.0},
+        {"force_n": 1.0},
+        {"how": "peel", "hinge_m": None},
+        {"how": "peel", "direction": (1, 0), "hinge_m": (-0.05, 0.0), "force_n": 1000.0},
+    ],
+    ids=["no force", "too hard on the rest", "too weak", "no axis", "into its neighbour"],
+)
+def test_a_way_that_the_rest_or_the_arm_does_not_bear_is_refused(options: dict[str, Any]) -> None:
+    plan, cells = taken_apart()
+    assert set(failed(verify(with_take_offs(plan, **options), CONFIG, standing=cells))) == {
+        "removal"
+    }
+
+
+def test_a_removal_that_does_not_say_how_is_a_straight_pull() -> None:
+    """It draws what hangs beneath after it: a part on the end of a row of three."""
+    row = (*(Cell(0, 0, z) for z in range(3)), Cell(1, 0, 2), Cell(2, 0, 2), Cell(2, 0, 3))
+    taken = plan_of(row[-1:], kinds=(StepKind.REMOVE,), end=row[:-1])
+    assert failed(verify(taken, CONFIG, standing=frozenset(row))) == {"removal": row[-1:]}
+    lone = plan_of(row[2:3], kinds=(StepKind.REMOVE,), end=row[:2])
+    assert failed(verify(lone, CONFIG, standing=frozenset(row[:3]))) == {}
+
+
+def test_a_tilt_needs_room_above_its_neighbours() -> None:
+    cells = frozenset({Cell(0, 0, 0), *(Cell(1, 0, z) for z in range(2))})
+    apart = frozenset(cells - {Cell(1, 0, 0)}) | {Cell(1, 1, 0), Cell(1, 1, 1)}
+    tilt = TakeOff(how="peel", direction=(1, 1), hinge_m=(0.0707, -0.05), force_n=100.0)
+    for standing in (cells, apart):
+        judged = taking_off(standing, Cell(0, 0, 0), tilt, CONFIG)
+        assert judged.wrong == "it would tilt or turn into another part"
+
+
+def test_a_plan_without_steps_is_judged() -> None:
+    assert failed(verify(plan_of(()), CONFIG)) == {}
