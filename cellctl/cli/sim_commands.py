@@ -72,6 +72,12 @@ def register(app: typer.Typer) -> None:
         with SimClient(_end_point(context.obj)) as world:
             typer.echo(f"{world.clear_workspace()} parts taken to the stock.")
 
+    @group.command("hand-over")
+    def hand_over(context: typer.Context) -> None:
+        """Take what stands in the workspace along, as a visitor would."""
+        with SimClient(_end_point(context.obj)) as world:
+            typer.echo(f"{world.hand_over()} parts taken along.")
+
     @group.command()
     def truth(context: typer.Context) -> None:
         """Print what is the case in the emulated cell, as JSON."""

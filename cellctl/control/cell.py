@@ -259,6 +259,7 @@ class Cell:
                 self.builder.doubt,
                 self.builder.ledger,
                 pitch_m=self.config.voxel.pitch_m,
+                recalled=event == Event.RECALLED.value,
             ),
         )
         self._publish(self.last_state, after)

@@ -60,6 +60,7 @@ _DONE = {
     "cancel": "Ending the job; what stands stays.",
     "reset": "Clearing the fault; nothing moves until you resume.",
 }
+_NOTHING_MOVES = "Nothing is under way, and nothing moves."
 _WORDS: dict[str, str | bool] = {
     "stop": "stop",
     "pause": "pause",
@@ -188,9 +189,10 @@ class RequestDesk:
             raise RefusedError("There is nothing to pause.")
         if word == "resume":
             await self._resume()
-        else:
-            await controller.command(_EVENTS[word])
-        return _DONE[word]
+            return _DONE[word]
+        idle = controller.state == "idle"
+        await controller.command(_EVENTS[word])
+        return _NOTHING_MOVES if idle and word == "stop" else _DONE[word]
 
     async def _resume(self) -> None:
         """Go on; what is believed of a part in doubt is taken for granted then."""

@@ -39,15 +39,17 @@ def describe(
     ledger: Ledger,
     *,
     pitch_m: float,
+    recalled: bool = False,
 ) -> str:
-    """The present state in words."""
+    """The present state in words; ``recalled``: this daemon found it so when it started."""
     own = {
         "idle": lambda: idle(job, ledger),
         "paused_resting": lambda: paused(job, doubt, ledger),
         "feeding_refilling": lambda: refilling(job, ledger),
     }
     if state in own:
-        return own[state]()
+        found = "I was ended in the middle of it and started again. " if recalled else ""
+        return found + own[state]()
     if state.startswith("fault") and fault is not None and state != "fault_recovering":
         return f"{fault.message} {fault.hint}"
     if job is None or job.plan is None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
+import os
 import select
 import termios
 from collections import deque
@@ -77,7 +79,12 @@ class SerialLink:
         except asyncio.CancelledError:
             opening.add_done_callback(_close_late)
             raise
-        except (OSError, termios.error) as error:
+        except OSError as error:
+            # pyserial's own words repeat the port and the number of the error.
+            plain = error.errno in {errno.ENOENT, errno.EACCES}
+            reason = os.strerror(error.errno) if plain and error.errno else str(error)
+            raise LinkLostError(f"{port} cannot be opened: {reason}.") from error
+        except termios.error as error:
             raise LinkLostError(f"{port} cannot be opened: {error}.") from error
 
     def send(self, frame: bytes) -> None:

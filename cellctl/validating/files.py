@@ -100,6 +100,11 @@ def read_json_plan(name: str, content: bytes) -> BuildPlan | Assembly:
         ) from error
     except (ValueError, RecursionError) as error:  # a number or a nesting beyond all measure
         raise UsageError(f"{name}: is not JSON that can be read: {error}.") from error
+    if isinstance(data, dict) and "placements" in data:
+        raise UsageError(
+            f"{name}: is the report of a plan, which tells of it; it is not the plan itself.",
+            "Write the plan with `cellctl plan ... --plan FILE`.",
+        )
     if not isinstance(data, dict) or not {"steps", "cells"} & data.keys():
         raise UsageError(
             f"{name}: holds neither a build plan nor cells.",

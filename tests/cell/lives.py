@@ -114,6 +114,7 @@ class Life:
             if snapshot.fault.entry is not None and snapshot.fault.entry.code in BUSY:
                 return snapshot
             assert state in {"idle", "paused_resting"}, f"{state}: {snapshot.fault}"
+            assert ("started again" in snapshot.state.sentence) is (state == "paused_resting")
             assert not snapshot.doubt, snapshot.doubt
             self.lives.settled_s.append(time.monotonic() - self.began_s)
             self.lives.found[state] += 1

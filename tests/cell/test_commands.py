@@ -67,6 +67,11 @@ def test_stop_brakes_at_once_and_keeps_the_part(idle: RunningCell) -> None:
     idle.assert_as_planned()
 
 
+def test_a_stop_where_nothing_moves_says_so(idle: RunningCell) -> None:
+    assert "nothing moves" in idle.visitor.command("stop").message
+    assert idle.client.snapshot().state.state == "idle"
+
+
 def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningCell) -> None:
     begin(idle, height=3)
     idle.wait_state("assembling_placing")
