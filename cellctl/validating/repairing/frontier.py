@@ -57,7 +57,8 @@ class Frontier:
         solvable = self._all.prod(axis=1) <= most_cells
         self._sizes = self._all[solvable]
         self._quick = bounds.flat[order[solvable]]
-        self._beyond = float(bounds.flat[order[~solvable]].max(initial=0.0))
+        self.beyond = float(bounds.flat[order[~solvable]].max(initial=0.0))
+        """No object of a larger box has a higher score."""
         self.opened: list[Candidate] = []
 
     def top(self, above: float, until_s: float) -> Candidate | None:
@@ -84,7 +85,7 @@ class Frontier:
     @property
     def bound(self) -> float:
         """No object of any size has a higher score."""
-        return max([self._beyond, self._next, *(candidate.bound for candidate in self.opened)])
+        return max([self.beyond, self._next, *(candidate.bound for candidate in self.opened)])
 
     @property
     def _next(self) -> float:

@@ -13,13 +13,14 @@ from cellctl.validating.order import find_order, sketch_order
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.hinge import hinge
 from cellctl.validating.rules import Cells, lateral, supported
-from cellctl.validating.stability import Physics, Verdict, assess, walk_order
+from cellctl.validating.stability import Physics, Verdict, assess
+from cellctl.validating.stability.growth import Growth
 
 _LONGEST_PROBE = 12
 """Rows and columns are tried up to this many cells; what holds longer is found when it matters."""
 
 
-_LARGE = 100
+_LARGE = 60
 """Objects of more parts are judged by one order, as far as the time goes: to try several takes
 seconds."""
 
@@ -42,10 +43,15 @@ def judge_until(
     except PlanError:
         return None
     margin = math.inf
-    for step, verdict in enumerate(walk_order(order, physics)):
+    # Quick proofs first: what they cannot show is shown exactly, or refuted.
+    growth = Growth(physics, thorough=False)
+    for step, cell in enumerate(order):
+        verdict = growth.place(cell)
         if verdict.margin < physics.least_margin:
             state = frozenset(order[: step + 1])
-            return _collapse(verdict, state, order[step], physics, begun=True)
+            verdict = assess(state, physics, cell)
+            if verdict.margin < physics.least_margin:
+                return _collapse(verdict, state, cell, physics, begun=True)
         margin = min(margin, verdict.margin)
         if time.monotonic() > until_s:
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable, Iterator
 
@@ -10,6 +11,10 @@ import numpy as np
 from cellctl.assembly import Cell
 from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.rules import Cells, hanging, pieces
+
+_SPARE = 1.5
+"""Boxes that would take this many times the parts, were they as full as the wanted one, are left
+out: thin things vanish at other sizes, but not so many."""
 
 
 def resized(wanted: Wanted, sizes: Iterable[Size], parts: int, until_s: float) -> Iterator[Cells]:
@@ -24,10 +29,13 @@ def resized(wanted: Wanted, sizes: Iterable[Size], parts: int, until_s: float) -
         parts: the most cells.
         until_s: no more sizes are tried after this time of the monotonic clock.
     """
+    most_cells = _SPARE * parts / float(wanted.filled.mean())
     found: list[tuple[float, Cells]] = []
     for size in sizes:
         if time.monotonic() > until_s:
             break
+        if math.prod(size) > most_cells:
+            continue
         terms = wanted.terms(size)
         filled = terms.volume >= terms.cell / 2
         if 0 < int(filled.sum()) <= parts:

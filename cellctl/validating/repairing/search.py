@@ -61,7 +61,7 @@ them takes most of the budget."""
 _LEAST_CELLS = 300
 """Boxes of no more cells are given to it in any case."""
 
-_PARTS_A_SECOND = 40
+_PARTS_A_SECOND = 25
 """Objects of more parts than this a second cannot be judged in the time that is left."""
 
 
@@ -168,6 +168,10 @@ class _Search:
 
     def run(self, fallback: Cells) -> Found:
         """The best object, or one that surely stands where there is no time for it."""
+        if self._sizes.beyond > 0.0:
+            # The solver is not given the sizes that matter most, and judging takes long.
+            self._end_s += _GRACE_S
+            self._resize()
         found = self.improve()
         if found.score < found.bound - SAME:
             self._safely(fallback)
@@ -291,19 +295,24 @@ class _Search:
             self._try(fallback)
         if not state.best:
             self._end_s = max(self._end_s, time.monotonic() + _GRACE_S)
-            now_s = time.monotonic()
-            left_s = self._end_s - now_s
-            parts = min(self._rules.parts, int(left_s * _PARTS_A_SECOND))
-            until_s = now_s + left_s * _FOR_BOUNDS
-            for cells in resized(self._wanted, self._sizes.all(), parts, until_s):
-                if state.best or time.monotonic() > self._end_s:
-                    break
-                self._try(cells)
+            if self._sizes.beyond == 0.0:
+                self._resize()
         left = sorted(self._sizes.opened, key=lambda c: (-c.bound, c.size))
         for candidate in left[:_SAFE_SIZES]:
             if state.score >= candidate.bound or time.monotonic() > self._end_s:
                 return
             self._rest(candidate)
+
+    def _resize(self) -> None:
+        """The wanted shape at the closest size at which it stands and can be judged in time."""
+        now_s = time.monotonic()
+        left_s = self._end_s - now_s
+        parts = min(self._rules.parts, int(left_s * _PARTS_A_SECOND))
+        until_s = now_s + left_s * _FOR_BOUNDS
+        for cells in resized(self._wanted, self._sizes.all(), parts, until_s):
+            if self._state.best or time.monotonic() > self._end_s:
+                return
+            self._try(cells)
 
     def _try(self, cells: Cells) -> None:
         verdict = self._rules.judge(cells, self._end_s)
