@@ -1,29 +1,26 @@
 """The best object of any size: which sizes to solve, in which order, and when to stop.
 
 Best first. Every size has a bound that no object of it exceeds: at first a quick one, then, once it
-is the highest, a relaxed one that costs a millisecond, then what the solver proves. The size with the highest bound is worked on; once it
-has an object whose score equals its bound, that object is judged. One that stands is the best of
-all, for no other size can exceed it. One that collapses teaches a mechanism, and its size is solved
-anew. So few sizes are solved and very few objects judged, which is what costs time.
+is the highest, a relaxed one that costs a millisecond, then what the solver proves. The size with
+the highest bound is worked on; once it has an object whose score equals its bound, that object is
+judged. One that stands is the best of all, for no other size can exceed it. One that collapses
+teaches a mechanism, and its size is solved anew. So few sizes are solved and very few objects
+judged, which is what costs time.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.frontier import Candidate, Frontier
 from cellctl.validating.repairing.model import SAME, Effort, Model
 from cellctl.validating.repairing.resized import resized
-from cellctl.validating.repairing.score import Size, Wanted
+from cellctl.validating.repairing.score import Wanted
 from cellctl.validating.repairing.symmetry import Symmetry, symmetries
+from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.rules import Cells, pieces
-
-Judge = Callable[[Cells, float], Stands | Collapses | None]
-"""Whether connected cells that are accessible from above stand at every step of some order; None
-where a time of the monotonic clock came before that was known."""
 
 _LEAST_STEPS = 0.05
 """A call with less is not worth making."""
@@ -52,9 +49,9 @@ _STEPS_AT_ONCE = 0.3
 """The part of that for one call, lest one size takes everything."""
 
 _FOR_BOUNDS = 0.3
-"""The part of the budget after which no more sizes are opened; what is left keeps its quick bound."""
+"""The part of the budget after which no more sizes are opened; the rest keep their quick bound."""
 
-_CELLS_A_SECOND = 300
+_CELLS_A_SECOND = 100
 """Boxes of more cells than this a second of the budget are not given to the solver: to tell it of
 them takes most of the budget."""
 
@@ -63,39 +60,6 @@ _LEAST_CELLS = 300
 
 _PARTS_A_SECOND = 25
 """Objects of more parts than this a second cannot be judged in the time that is left."""
-
-
-@dataclass(frozen=True)
-class Rules:
-    """What a repaired object must satisfy."""
-
-    parts: int
-    grid: Size
-    reach: int
-    """The most steps, side by side, from a part to one of its layer that rests on something."""
-    floor_grips: bool
-    judge: Judge
-    known: tuple[Mechanism, ...] = ()
-    """Mechanisms of collapse that are known beforehand."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """The best object that was found, and how good any could be."""
-
-    cells: Cells
-    """Empty if none was found."""
-    score: float
-    bound: float
-    """No object has a higher score."""
-    stands: Stands | None
-    collapses: tuple[Collapses, ...]
-    """What was learnt from objects that would have been closer, the closest first."""
-
-    @property
-    def proven(self) -> bool:
-        """Whether this is the best object that there is."""
-        return bool(self.cells) and self.score >= self.bound - SAME
 
 
 @dataclass
@@ -153,9 +117,7 @@ class _Search:
         self._open_until_s = now_s + budget_s * _FOR_BOUNDS
         self._steps = self._most_steps = budget_s * _STEPS
         self._kept = kept
-        self._state = _State(
-            score=above, mechanisms=[t for m in rules.known for t in m.turned()]
-        )
+        self._state = _State(score=above, mechanisms=[t for m in rules.known for t in m.turned()])
         nx, ny, nz = map(min, zip(wanted.size, rules.grid, strict=True))
         square = any(symmetry.square for symmetry in kept)
         self._sizes = Frontier(

@@ -15,7 +15,8 @@ from cellctl.validating.repairing.judge import judge, judge_until, longest_row, 
 from cellctl.validating.repairing.model import SAME
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
 from cellctl.validating.repairing.score import Size, Wanted
-from cellctl.validating.repairing.search import Found, Rules, search, search_beyond
+from cellctl.validating.repairing.search import search, search_beyond
+from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.repairing.words import describe
 from cellctl.validating.rules import Cells, to_corner
 from cellctl.validating.stability import Physics
