@@ -17,7 +17,7 @@ from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.frontier import Candidate, Frontier
 from cellctl.validating.repairing.model import SAME, Effort, Model
 from cellctl.validating.repairing.resized import resized
-from cellctl.validating.repairing.score import Wanted
+from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.repairing.symmetry import Symmetry, symmetries
 from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.rules import Cells, pieces

@@ -16,6 +16,7 @@ from cellctl.validating.repairing.model import SAME
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
 from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.repairing.search import search, search_beyond
+from cellctl.validating.repairing.symmetry import symmetries
 from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.repairing.words import describe
 from cellctl.validating.rules import Cells, to_corner
@@ -120,7 +121,8 @@ def repair_shape(
     if found.stands is None or found.score < LEAST_SCORE:
         raise _refusal(wanted, why, found, budget_s)
     changes = describe(wanted, found.cells, why)
-    if found is not symmetric:
+    kept = symmetries(found.cells, Wanted(found.cells).size)
+    if found is not symmetric and not set(symmetries(wanted.cells, wanted.size)) <= set(kept):
         changes = (*changes, _asymmetric(symmetric.score, found.score))
     return Repaired(
         found.cells,
