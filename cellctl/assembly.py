@@ -193,11 +193,14 @@ class Closeness(Value):
     score: Annotated[float, Field(ge=0.0, le=1.0)]
     """Of the planned object; 1 is exactly what was asked for."""
     baseline_score: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
-    """Of what the paper's rescaling makes of the same shape; none where it makes nothing."""
+    """Of what the paper's rescaling makes of the same shape; none where it makes nothing, or keeps
+    more but breaks a rule or was not found to stand."""
     bound: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
-    """No plan can have a higher score than this; none where that was not found out."""
+    """No object has a higher score than this, of those that have the symmetry of the shape, no gaps
+    that it has not, no rows that reach out too far to be sought, and no edge that is longer than
+    its; none where that was not found out."""
     proven: bool = False
-    """Whether no plan with a higher score is possible."""
+    """Whether none of those objects has a higher score than the planned one."""
 
 
 class BuildPlan(Value):

@@ -259,7 +259,16 @@ class PlanningSection(Section):
     budget_s: Positive = 20.0
     """How long a plan may be improved; the best verified one so far is taken then (wall time)."""
     timeout_s: Positive = 60.0
-    """For one plan (wall time)."""
+    """For one plan (wall time); more than its budget, for it takes time beyond that."""
+
+    @model_validator(mode="after")
+    def _in_time(self) -> Self:
+        if self.budget_s >= self.timeout_s:
+            raise ValueError(
+                f"budget_s must be less than timeout_s ({self.budget_s:g} and {self.timeout_s:g}): "
+                "a plan that may be improved for so long is always ended before it is there"
+            )
+        return self
 
 
 class BusSection(Section):

@@ -111,6 +111,7 @@ def test_the_grid_is_what_fits_whole(
         ("workspace.size_m", [0.6, -1.0, 0.6], "workspace.size_m[1] = -1.0: must be greater"),
         ("voxel.mass_kg", float("nan"), "must be a finite number"),
         ("feeder.width_m", float("inf"), "must be a finite number"),
+        ("planning.budget_s", 60.0, "planning: budget_s must be less than timeout_s (60 and 60)"),
         # Types: TOML has numbers, so text is not taken for one.
         ("voxel.pitch_m", "0.1", "voxel.pitch_m = '0.1': must be a valid number (in metres)."),
         ("voxel.pitch_m", True, "must be a valid number"),

@@ -141,11 +141,15 @@ class PlanReport(Described):
     score: float | None
     """How much of the shape is kept, from 0 to 1; null where nothing had to be sought."""
     baseline_score: float | None
-    """The same of what the paper's rescaling makes of the shape; null where unknown."""
+    """The same of what the paper's rescaling makes of the shape; null where unknown, and where it
+    keeps more but breaks a rule or was not found to stand."""
     bound: float | None
-    """No plan can have a higher score than this; null where unknown."""
+    """No object has a higher score than this, of those that have the symmetry of the shape, no gaps
+    that it has not, no rows that reach out too far to be sought, and no edge that is longer than
+    its; null where unknown."""
     proven: bool | None
-    """Whether no plan with a higher score is possible; null where nothing had to be sought."""
+    """Whether none of those objects has a higher score than the planned one; null where nothing had
+    to be sought."""
     duration_s: float | None
     """Predicted time in the cell of all steps; null where unknown."""
     budget_s: float

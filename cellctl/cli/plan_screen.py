@@ -113,11 +113,13 @@ def closeness_words(report: PlanReport) -> str:
     if report.baseline_score is not None:
         words += f"; the paper's rescaling keeps {report.baseline_score:.0%}"
     if report.proven:
-        words += ". No plan keeps more: this is proven."
+        words += (
+            ". No object with the same symmetry and without new gaps keeps more: this is proven."
+        )
     elif report.bound is not None:
         words += (
-            f". At most {report.bound:.0%} can be kept; whether more than this can was not found "
-            f"out within {report.budget_s:g} s."
+            f". With the same symmetry and without new gaps, at most {report.bound:.0%} can be "
+            f"kept; whether more than this can was not found out within {report.budget_s:g} s."
         )
     else:
         words += ". How much more could be kept is not known."

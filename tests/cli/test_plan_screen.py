@@ -111,8 +111,14 @@ def test_margin_words_say_when_it_would_not_hold() -> None:
 @pytest.mark.parametrize(
     ("near", "says"),
     [
-        (Closeness(score=1.0, bound=1.0, proven=True), "No plan keeps more: this is proven."),
-        (Closeness(score=0.8, bound=0.9), "At most 90% can be kept"),
+        (
+            Closeness(score=0.9, bound=0.9, proven=True),
+            "No object with the same symmetry and without new gaps keeps more: this is proven.",
+        ),
+        (
+            Closeness(score=0.8, bound=0.9),
+            "With the same symmetry and without new gaps, at most 90% can be kept",
+        ),
         (Closeness(score=0.8), "How much more could be kept is not known."),
     ],
 )

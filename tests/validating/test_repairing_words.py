@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from cellctl.generating.boxes import Box
-from cellctl.validating.repairing.reasons import Reason, reasons
+from cellctl.validating.repairing.collapse import Collapses
+from cellctl.validating.repairing.reasons import Reason, reasons, unstable
 from cellctl.validating.repairing.score import Wanted
 from cellctl.validating.repairing.words import describe
 from cellctl.validating.rules import Cells
@@ -72,6 +73,27 @@ def test_losses_and_gains_have_their_reasons() -> None:
     why = {change.what: change.why for change in changes}
     assert why["One leg became thicker."] == "Too weak."
     assert {w for what, w in why.items() if "narrower" in what} == {"Too many."}
+
+
+def test_what_became_of_the_legs_is_said_once() -> None:
+    assert said(table(), table() | cells_of(Box(1, 0, 0, 1, 1, 1))) == ["One leg became thicker."]
+
+
+@pytest.mark.parametrize(
+    ("margin", "words"),
+    [
+        (0.9, "would come apart: the magnets have 90% of the strength that it takes."),
+        (
+            1.92,
+            "could come apart: the magnets have 1.92 times the strength that it takes, and 2 "
+            "times is asked for.",
+        ),
+    ],
+)
+def test_a_margin_is_told_by_what_is_asked_for(margin: float, words: str) -> None:
+    cells = cells_of(Box(0, 0, 0, 1, 1, 2))
+    collapse = Collapses(moving=cells, state=cells, placed=None, margin=margin, joint="")
+    assert unstable(collapse, 2.0).words == f"It {words}"
 
 
 def test_a_change_is_always_told() -> None:

@@ -3,19 +3,59 @@
 from __future__ import annotations
 
 import math
+import time
 from functools import lru_cache
 
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
-from cellctl.validating.order import find_order
+from cellctl.validating.order import find_order, sketch_order
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.hinge import hinge
 from cellctl.validating.rules import Cells, lateral, supported
 from cellctl.validating.stability import Physics, Verdict, assess
+from cellctl.validating.stability.growth import Growth
 
 _LONGEST_PROBE = 12
 """Rows and columns are tried up to this many cells; what holds longer is found when it matters."""
+
+
+_LARGE = 60
+"""Objects of more parts are judged by one order, as far as the time goes: to try several takes
+seconds."""
+
+
+def judge_until(
+    cells: Cells, until_s: float, physics: Physics, gripper: Gripper
+) -> Stands | Collapses | None:
+    """As ``judge``, but of a large object by one order, and None where time ends that.
+
+    Args:
+        cells: connected, and accessible from above.
+        until_s: a time of the monotonic clock.
+        physics: what holds them.
+        gripper: what comes down with each part.
+    """
+    if len(cells) <= _LARGE:
+        return judge(cells, physics, gripper)
+    try:
+        order = sketch_order(cells, gripper)
+    except PlanError:
+        return None
+    margin = math.inf
+    # Quick proofs first: what they cannot show is shown exactly, or refuted.
+    growth = Growth(physics, thorough=False)
+    for step, cell in enumerate(order):
+        verdict = growth.place(cell)
+        if verdict.margin < physics.least_margin:
+            state = frozenset(order[: step + 1])
+            verdict = assess(state, physics, cell)
+            if verdict.margin < physics.least_margin:
+                return _collapse(verdict, state, cell, physics, begun=True)
+        margin = min(margin, verdict.margin)
+        if time.monotonic() > until_s:
+            return None
+    return Stands(order, margin)
 
 
 def judge(cells: Cells, physics: Physics, gripper: Gripper) -> Stands | Collapses:

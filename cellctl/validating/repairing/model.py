@@ -44,7 +44,6 @@ _LEAST_COVERED = 2.0
 class Effort(NamedTuple):
     """What the solver may spend on one call."""
 
-    workers: int
     seconds: float
     """Wall time, which the budget of a plan is in."""
     steps: float
@@ -289,7 +288,7 @@ class Model:
             for cell, variable in self._filled.items():
                 model.add_hint(variable, cell in filled)
         solver = cp_model.CpSolver()
-        solver.parameters.num_workers = effort.workers
+        solver.parameters.num_workers = 1  # more are not deterministic
         solver.parameters.random_seed = _SEED
         solver.parameters.max_time_in_seconds = max(effort.seconds, 0.01)
         solver.parameters.max_deterministic_time = effort.steps

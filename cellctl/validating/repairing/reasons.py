@@ -58,15 +58,24 @@ def reasons(cells: Cells, size: Size, parts: int, grid: Size) -> tuple[Reason, .
     return tuple(found)
 
 
-def unstable(collapse: Collapses) -> Reason:
-    """The reason that a collapse is."""
+def unstable(collapse: Collapses, least_margin: float) -> Reason:
+    """The reason that a collapse is.
+
+    Args:
+        collapse: what comes loose.
+        least_margin: how many times the strength that it takes is asked for.
+    """
     where = f" at the joint {collapse.joint}" if collapse.joint else ""
     when = "it would come apart" if collapse.placed is None else "it would come apart while built"
-    strength = (
-        f": the magnets have {collapse.margin:.0%} of the strength that it takes"
-        if collapse.margin > 0.0
-        else ""
-    )
+    strength = ""
+    if collapse.margin >= 1.0:
+        when = when.replace("it would", "it could")
+        strength = (
+            f": the magnets have {collapse.margin:.2f} times the strength that it takes, and "
+            f"{least_margin:g} times is asked for"
+        )
+    elif collapse.margin > 0.0:
+        strength = f": the magnets have {collapse.margin:.0%} of the strength that it takes"
     words = f"{when[0].upper()}{when[1:]}{where}{strength}."
     return _reason("stability", words, collapse.moving)
 

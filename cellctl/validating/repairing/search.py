@@ -1,27 +1,26 @@
 """The best object of any size: which sizes to solve, in which order, and when to stop.
 
-Best first. Every size has a bound that no object of it exceeds: at first a relaxed one that costs
-microseconds, then what the solver proves. The size with the highest bound is worked on; once it
-has an object whose score equals its bound, that object is judged. One that stands is the best of
-all, for no other size can exceed it. One that collapses teaches a mechanism, and its size is solved
-anew. So few sizes are solved and very few objects judged, which is what costs time.
+Best first. Every size has a bound that no object of it exceeds: at first a quick one, then, once it
+is the highest, a relaxed one that costs a millisecond, then what the solver proves. The size with
+the highest bound is worked on; once it has an object whose score equals its bound, that object is
+judged. One that stands is the best of all, for no other size can exceed it. One that collapses
+teaches a mechanism, and its size is solved anew. So few sizes are solved and very few objects
+judged, which is what costs time.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from cellctl.validating.repairing.bound import relaxed_bound
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
+from cellctl.validating.repairing.frontier import Candidate, Frontier
 from cellctl.validating.repairing.model import SAME, Effort, Model
+from cellctl.validating.repairing.resized import resized
 from cellctl.validating.repairing.score import Size, Wanted
 from cellctl.validating.repairing.symmetry import Symmetry, symmetries
+from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.rules import Cells, pieces
-
-Judge = Callable[[Cells], Stands | Collapses]
-"""Whether connected cells that are accessible from above stand at every step of some order."""
 
 _LEAST_STEPS = 0.05
 """A call with less is not worth making."""
@@ -49,52 +48,18 @@ wall time hardly ever ends a search, and its outcome does not depend on the mach
 _STEPS_AT_ONCE = 0.3
 """The part of that for one call, lest one size takes everything."""
 
+_FOR_BOUNDS = 0.3
+"""The part of the budget after which no more sizes are opened; the rest keep their quick bound."""
 
-@dataclass(frozen=True)
-class Rules:
-    """What a repaired object must satisfy."""
+_CELLS_A_SECOND = 100
+"""Boxes of more cells than this a second of the budget are not given to the solver: to tell it of
+them takes most of the budget."""
 
-    parts: int
-    grid: Size
-    reach: int
-    """The most steps, side by side, from a part to one of its layer that rests on something."""
-    floor_grips: bool
-    judge: Judge
-    known: tuple[Mechanism, ...] = ()
-    """Mechanisms of collapse that are known beforehand."""
+_LEAST_CELLS = 300
+"""Boxes of no more cells are given to it in any case."""
 
-
-@dataclass(frozen=True)
-class Found:
-    """The best object that was found, and how good any could be."""
-
-    cells: Cells
-    """Empty if none was found."""
-    score: float
-    bound: float
-    """No object has a higher score."""
-    stands: Stands | None
-    collapses: tuple[Collapses, ...]
-    """What was learnt from objects that would have been closer, the closest first."""
-
-    @property
-    def proven(self) -> bool:
-        """Whether this is the best object that there is."""
-        return bool(self.cells) and self.score >= self.bound - SAME
-
-
-@dataclass
-class _Candidate:
-    size: Size
-    bound: float
-    cells: Cells = frozenset()
-    """The best of this size, as far as it is known."""
-    model: Model | None = None
-    learnt: int = 0
-    """How many of the mechanisms the model knows."""
-    rounds: int = 0
-    exhausted: bool = False
-    """Whether the solver could not settle it with the effort that is due; it keeps its bound."""
+_PARTS_A_SECOND = 25
+"""Objects of more parts than this a second cannot be judged in the time that is left."""
 
 
 @dataclass
@@ -112,61 +77,87 @@ def search(
     wanted: Wanted,
     rules: Rules,
     budget_s: float,
-    workers: int = 1,
     fallback: Cells = frozenset(),
 ) -> Found:
-    """Find the object that keeps most of the wanted shape.
+    """Find the object that keeps most of the wanted shape, of those that keep its symmetry.
 
     Args:
         wanted: the shape.
         rules: what the object must satisfy.
         budget_s: wall time; the best object so far is returned then.
-        workers: of the solver.
         fallback: an object that satisfies the rules but may collapse; it is judged when the search
             was not finished in time.
     """
-    return _Search(wanted, rules, budget_s, workers).run(fallback)
+    kept = symmetries(wanted.cells, wanted.size)
+    return _Search(wanted, rules, budget_s, kept).run(fallback)
+
+
+def search_beyond(wanted: Wanted, rules: Rules, budget_s: float, above: float) -> Found:
+    """As ``search``, of all objects, symmetric or not, whose score exceeds one; none if none does.
+
+    Nothing else is tried where time ends it, and ``bound`` is at least ``above``.
+    """
+    return _Search(wanted, rules, budget_s, (), above).improve()
 
 
 class _Search:
-    def __init__(self, wanted: Wanted, rules: Rules, budget_s: float, workers: int) -> None:
+    def __init__(
+        self,
+        wanted: Wanted,
+        rules: Rules,
+        budget_s: float,
+        kept: tuple[Symmetry, ...],
+        above: float = 0.0,
+    ) -> None:
         self._wanted = wanted
         self._rules = rules
-        self._workers = workers
         now_s = time.monotonic()
         self._end_s = now_s + budget_s
         self._improve_until_s = now_s + budget_s * (1.0 - _FOR_SAFETY)
+        self._open_until_s = now_s + budget_s * _FOR_BOUNDS
         self._steps = self._most_steps = budget_s * _STEPS
-        self._kept = symmetries(wanted.cells, wanted.size)
-        self._state = _State(mechanisms=[t for m in rules.known for t in m.turned()])
-        self._aside: list[_Candidate] = []
+        self._kept = kept
+        self._state = _State(score=above, mechanisms=[t for m in rules.known for t in m.turned()])
+        nx, ny, nz = map(min, zip(wanted.size, rules.grid, strict=True))
+        square = any(symmetry.square for symmetry in kept)
+        self._sizes = Frontier(
+            wanted,
+            (nx, ny, nz),
+            square,
+            rules.parts,
+            most_cells=max(_LEAST_CELLS, budget_s * _CELLS_A_SECOND),
+        )
 
     def run(self, fallback: Cells) -> Found:
+        """The best object, or one that surely stands where there is no time for it."""
+        if self._sizes.beyond > 0.0:
+            # The solver is not given the sizes that matter most, and judging takes long.
+            self._end_s += _GRACE_S
+            self._resize()
+        found = self.improve()
+        if found.score < found.bound - SAME:
+            self._safely(fallback)
+        return self._found(found.bound)
+
+    def improve(self) -> Found:
+        """The best object that is found and judged in the time for it."""
         state = self._state
-        bounds = {
-            size: relaxed_bound(self._wanted.terms(size), self._rules.parts)
-            for size in self._sizes()
-        }
-        candidates = [_Candidate(size, bound) for size, bound in sorted(bounds.items())]
         while time.monotonic() < self._improve_until_s:
-            lead = max(candidates, key=self._known_score)
-            known = self._known_score(lead)
-            top = max(
-                (candidate for candidate in candidates if not candidate.exhausted),
-                key=lambda candidate: candidate.bound,
-                default=None,
-            )
-            if top is not None and self._steps <= 0.0:
-                top = None
-            if top is not None and top.bound > max(known, state.score) + SAME:
-                self._solve(top, max(known, state.score), self._improve_until_s)
-            elif known > state.score + SAME:
-                self._judge(lead)
+            lead = max(self._sizes.opened, key=self._known_score, default=None)
+            known = 0.0 if lead is None else self._known_score(lead)
+            most = max(known, state.score)
+            top = self._sizes.top(most, self._open_until_s) if self._steps > 0.0 else None
+            if top is not None and top.bound > most + SAME:
+                self._solve(top, most, self._improve_until_s)
+            elif lead is not None and known > state.score + SAME:
+                if not self._judge(lead, self._improve_until_s):
+                    break
             else:
                 break
-        bound = max([state.score, state.doubted, *(c.bound for c in candidates)])
-        if state.score < bound - SAME:
-            self._safely(candidates, fallback)
+        return self._found(max(state.doubted, self._sizes.bound))
+
+    def _found(self, bound: float) -> Found:
+        state = self._state
         return Found(
             state.best,
             state.score,
@@ -175,32 +166,21 @@ class _Search:
             tuple(state.collapses),
         )
 
-    def _known_score(self, candidate: _Candidate) -> float:
+    def _known_score(self, candidate: Candidate) -> float:
         """Of its best object that is still to be judged; 0 if it is not known any more."""
         if candidate.learnt < len(self._state.mechanisms):
             return 0.0
         return self._wanted.score(candidate.cells)
 
-    def _sizes(self) -> list[Size]:
-        """Those of the wanted size or less that keep its symmetry and are within the grid."""
-        square = any(symmetry.square for symmetry in self._kept)
-        most = [min(a, b) for a, b in zip(self._wanted.size, self._rules.grid, strict=True)]
-        return [
-            (nx, ny, nz)
-            for nx in range(1, most[0] + 1)
-            for ny in range(1, most[1] + 1)
-            for nz in range(1, most[2] + 1)
-            if not square or nx == ny
-        ]
-
-    def _judge(self, candidate: _Candidate) -> None:
+    def _judge(self, candidate: Candidate, until_s: float) -> bool:
+        """Whether there was time to judge the best object of a size, and to learn from it."""
         state = self._state
-        verdict = self._rules.judge(candidate.cells)
+        verdict = self._rules.judge(candidate.cells, until_s)
+        if verdict is None:
+            return False
         if isinstance(verdict, Stands):
-            score = self._wanted.score(candidate.cells)
-            if score > state.score:
-                state.best, state.score, state.stands = candidate.cells, score, verdict
-            return
+            self._take(candidate.cells, verdict)
+            return True
         state.collapses.append(verdict)
         mechanism = Mechanism.of(verdict, candidate.cells)
         if not mechanism.exact:
@@ -211,8 +191,14 @@ class _Search:
             candidate.model.exclude(candidate.cells)
         candidate.cells = frozenset()
         candidate.exhausted = candidate.rounds >= _MOST_ROUNDS
+        return True
 
-    def _solve(self, candidate: _Candidate, target: float, until_s: float) -> None:
+    def _take(self, cells: Cells, stands: Stands) -> None:
+        score = self._wanted.score(cells)
+        if score > self._state.score:
+            self._state.best, self._state.score, self._state.stands = cells, score, stands
+
+    def _solve(self, candidate: Candidate, target: float, until_s: float) -> None:
         """Raise the score of the best known object of a size until none is better.
 
         This is Dinkelbach's method: each round asks for the object that shares most beyond the last
@@ -228,7 +214,7 @@ class _Search:
                 return
             candidate.rounds += 1
             steps = max(min(self._steps, self._most_steps * _STEPS_AT_ONCE), _LEAST_STEPS)
-            effort = Effort(self._workers, left_s, steps)
+            effort = Effort(left_s, steps)
             answer = model.beat(score, effort, required=required)
             self._steps -= answer.steps
             candidate.bound = min(candidate.bound, answer.bound)
@@ -248,7 +234,7 @@ class _Search:
                 return
         candidate.exhausted = True
 
-    def _model(self, candidate: _Candidate) -> Model:
+    def _model(self, candidate: Candidate) -> Model:
         mechanisms = self._state.mechanisms
         if candidate.model is None:
             candidate.model = Model(
@@ -264,24 +250,40 @@ class _Search:
     def _kept_in(self, size: Size) -> tuple[Symmetry, ...]:
         return tuple(s for s in self._kept if not s.square or size[0] == size[1])
 
-    def _safely(self, left: list[_Candidate], fallback: Cells) -> None:
+    def _safely(self, fallback: Cells) -> None:
         """Without time to find the best: the given object, or one whose every part rests."""
         state = self._state
         if fallback and self._wanted.score(fallback) > state.score + SAME:
-            verdict = self._rules.judge(fallback)
-            if isinstance(verdict, Stands):
-                state.best, state.stands = fallback, verdict
-                state.score = self._wanted.score(fallback)
+            self._try(fallback)
         if not state.best:
             self._end_s = max(self._end_s, time.monotonic() + _GRACE_S)
-        for candidate in sorted(left, key=lambda c: (-c.bound, c.size))[:_SAFE_SIZES]:
+            if self._sizes.beyond == 0.0:
+                self._resize()
+        left = sorted(self._sizes.opened, key=lambda c: (-c.bound, c.size))
+        for candidate in left[:_SAFE_SIZES]:
             if state.score >= candidate.bound or time.monotonic() > self._end_s:
                 return
             self._rest(candidate)
 
-    def _rest(self, candidate: _Candidate) -> None:
+    def _resize(self) -> None:
+        """The wanted shape at the closest size at which it stands and can be judged in time."""
+        now_s = time.monotonic()
+        left_s = self._end_s - now_s
+        parts = min(self._rules.parts, int(left_s * _PARTS_A_SECOND))
+        until_s = now_s + left_s * _FOR_BOUNDS
+        for cells in resized(self._wanted, self._sizes.all(), parts, until_s):
+            if self._state.best or time.monotonic() > self._end_s:
+                return
+            self._try(cells)
+
+    def _try(self, cells: Cells) -> None:
+        verdict = self._rules.judge(cells, self._end_s)
+        if isinstance(verdict, Stands):
+            self._take(cells, verdict)
+
+    def _rest(self, candidate: Candidate) -> None:
         """Find an object of a size all of whose parts rest on parts below, and that stands."""
-        resting = _Candidate(candidate.size, candidate.bound)
+        resting = Candidate(candidate.size, candidate.bound)
         resting.model = Model(
             self._wanted.terms(candidate.size),
             self._rules.parts,
@@ -290,8 +292,5 @@ class _Search:
         )
         while resting.rounds < _MOST_ROUNDS and time.monotonic() < self._end_s:
             self._solve(resting, self._state.score, self._end_s)
-            if not resting.cells:
-                return
-            self._judge(resting)
-            if resting.cells:
+            if not resting.cells or not self._judge(resting, self._end_s) or resting.cells:
                 return

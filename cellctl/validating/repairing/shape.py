@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from cellctl.assembly import Cell, Change
 from cellctl.errors import Nearest, PlanError
 from cellctl.validating.access import Gripper
 from cellctl.validating.repairing.collapse import Stands
-from cellctl.validating.repairing.judge import judge, longest_row, probed
+from cellctl.validating.repairing.judge import judge, judge_until, longest_row, probed
+from cellctl.validating.repairing.model import SAME
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
 from cellctl.validating.repairing.score import Size, Wanted
-from cellctl.validating.repairing.search import Rules, search
+from cellctl.validating.repairing.search import search, search_beyond
+from cellctl.validating.repairing.symmetry import symmetries
+from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.repairing.words import describe
 from cellctl.validating.rules import Cells, to_corner
 from cellctl.validating.stability import Physics
 
 LEAST_SCORE = 0.5
 """What keeps less than this of a shape is another object; it is refused, and told about."""
+
+CLEARLY = 0.1
+"""Symmetry is given up for an object whose score is higher by more than this."""
 
 _CELLS_NAMED = 6
 
@@ -37,11 +44,13 @@ class Repaired:
     score: float
     """Likeness to the wanted shape; 1 if nothing was changed."""
     bound: float
-    """No object that the search covers has a higher score."""
+    """No object that the search covers has a higher score: none with the symmetry of the wanted
+    shape, without notches or holes that it has not, within reach, and no larger than it."""
     proven: bool
-    """Whether the score is the highest one."""
+    """Whether the score is the highest one of those."""
     baseline_score: float | None
-    """Of the paper's rescaling, where that was given."""
+    """Of the paper's rescaling, where that was given; None also where it keeps more, but breaks a
+    rule or was not found to stand."""
 
 
 def repair_shape(
@@ -53,8 +62,6 @@ def repair_shape(
     grid: Size,
     budget_s: float,
     rescaled: Callable[[], Cells] = frozenset,
-    workers: int = 1,
-    progress: Callable[[str], None] | None = None,
 ) -> Repaired:
     """The object closest to wanted cells that can be built; the same cells if they can.
 
@@ -67,8 +74,6 @@ def repair_shape(
         budget_s: how long to search (wall time); then the best object so far is taken.
         rescaled: what the paper's rescaling makes of the shape, if anything: for comparison, and
             to fall back on. Asked only when something must be changed.
-        workers: of the exact solver; one is deterministic.
-        progress: told that a repair begins.
 
     Raises:
         PlanError: nothing like it can be built; the message names the rule, the cells, and the
@@ -84,9 +89,7 @@ def repair_shape(
         verdict = judge(wanted.cells, physics, gripper)
         if isinstance(verdict, Stands):
             return Repaired(wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, None)
-        why = (unstable(verdict),)
-    if progress is not None:
-        progress("repairing")
+        why = (unstable(verdict, physics.least_margin),)
     base = rescaled()
     base = to_corner(base) if base else base
     baseline_score = wanted.score(base) if base else None
@@ -95,28 +98,52 @@ def repair_shape(
         grid=grid,
         reach=2 * longest_row(physics),
         floor_grips=physics.floor_grips,
-        judge=partial(judge, physics=physics, gripper=gripper),
+        judge=partial(judge_until, physics=physics, gripper=gripper),
         known=probed(physics),
     )
     usable = base if base and not reasons(base, Wanted(base).size, parts, grid) else frozenset()
-    found = search(wanted, rules, budget_s, workers, usable)
+    start_s = time.monotonic()
+    found = search(wanted, rules, budget_s, usable)
+    symmetric = found
+    left_s = start_s + budget_s - time.monotonic()
+    if found.score + CLEARLY < 1.0 and left_s > 0.0:
+        beyond = search_beyond(wanted, rules, left_s, found.score + CLEARLY)
+        found = beyond if beyond.stands is not None else found
+    if baseline_score is not None and baseline_score > found.score + SAME:
+        # It may be less symmetric than what was sought; nobody shall get less for that.
+        stands = rules.judge(usable, start_s + budget_s) if usable else None
+        if isinstance(stands, Stands):
+            found = replace(found, cells=usable, score=baseline_score, stands=stands)
+        else:
+            baseline_score = None
     if found.collapses and all(reason.rule != "stability" for reason in why):
-        why = (*why, unstable(found.collapses[0]))
+        why = (*why, unstable(found.collapses[0], physics.least_margin))
     if found.stands is None or found.score < LEAST_SCORE:
-        raise _refusal(wanted, why, found.cells, found.score)
+        raise _refusal(wanted, why, found, budget_s)
+    changes = describe(wanted, found.cells, why)
+    kept = symmetries(found.cells, Wanted(found.cells).size)
+    if found is not symmetric and not set(symmetries(wanted.cells, wanted.size)) <= set(kept):
+        changes = (*changes, _asymmetric(symmetric.score, found.score))
     return Repaired(
         found.cells,
         found.stands.order,
         found.stands.margin,
-        describe(wanted, found.cells, why),
+        changes,
         found.score,
-        found.bound,
+        max(found.bound, found.score),
         found.proven,
         baseline_score,
     )
 
 
-def _refusal(wanted: Wanted, why: tuple[Reason, ...], nearest: Cells, score: float) -> PlanError:
+def _asymmetric(symmetric: float, score: float) -> Change:
+    why = f"An object that is would keep {symmetric:.0%} of the shape; this one keeps {score:.0%}."
+    if symmetric == 0.0:
+        why = f"No object that is was found; this one keeps {score:.0%} of the shape."
+    return Change(what="It is not as symmetric as the shape.", why=why)
+
+
+def _refusal(wanted: Wanted, why: tuple[Reason, ...], found: Found, budget_s: float) -> PlanError:
     """Which rules, where, and what could be built instead."""
     said = []
     for reason in why:
@@ -124,20 +151,28 @@ def _refusal(wanted: Wanted, why: tuple[Reason, ...], nearest: Cells, score: flo
         more = len(reason.cells) - _CELLS_NAMED
         rest = f" and {more} more" if more > 0 else ""
         said.append(f"It breaks the rule of {reason.rule}: {reason.words} Cells: {places}{rest}.")
-    if nearest:
-        count = len(nearest)
-        could = (
-            f"The nearest that could be built has {count} part{'' if count == 1 else 's'}, "
-            f"{times(Wanted(nearest).size)} (wide, deep, high), and keeps {score:.0%} of the shape."
+    settled = found.proven or found.bound < LEAST_SCORE
+    hint = "Ask for another shape, or a simpler one."
+    if not settled:
+        said.append(f"Something that keeps enough of it was not found within {budget_s:g} s.")
+        hint = "Ask for another shape, or a simpler one; or give more time (planning.budget_s)."
+    elif not found.cells:
+        said.append(f"Nothing like its {times(wanted.size)} parts stands.")
+    nearest = None
+    if found.cells:
+        count = len(found.cells)
+        what = (
+            f"something of {count} part{'' if count == 1 else 's'}, "
+            f"{times(Wanted(found.cells).size)} (wide, deep, high), "
+            f"that keeps {found.score:.0%} of the shape."
         )
-    else:
-        could = f"Nothing like its {times(wanted.size)} parts could be found that stands."
+        nearest = Nearest(what=what, cells=_sorted(found.cells))
     return PlanError(
-        f"This shape cannot be built here. {' '.join(said)} {could}",
-        "Ask for another shape, or a simpler one.",
+        f"This shape cannot be built here. {' '.join(said)}",
+        hint,
         rule=why[0].rule,
         cells=why[0].cells,
-        nearest=Nearest(what=could, cells=_sorted(nearest)) if nearest else None,
+        nearest=nearest,
     )
 
 

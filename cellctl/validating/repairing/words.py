@@ -47,11 +47,14 @@ def describe(wanted: Wanted, built: Cells, why: tuple[Reason, ...]) -> tuple[Cha
     changes = []
     if sentence := _size(before, after):
         changes.append(Change(what=sentence, why=lost))
-    for sentence, less in (*_legs(before, after), *_plates(resized, after)):
+    legs = _legs(before, after)
+    for sentence, less in (*legs, *_plates(resized, after)):
         changes.append(Change(what=sentence, why=lost if less else gained))
+    # What was said of the legs as wholes is not said again of their parts.
+    told = {"the legs"} if legs else set[str]()
     missing, new_cells = resized.cells - built, built - resized.cells
-    changes += [Change(what=said, why=lost) for said in _places(missing, after, "left out")]
-    changes += [Change(what=said, why=gained) for said in _places(new_cells, after, "added")]
+    changes += [Change(what=said, why=lost) for said in _places(missing, after, "left out", told)]
+    changes += [Change(what=said, why=gained) for said in _places(new_cells, after, "added", told)]
     return tuple(changes) or (Change(what="Some parts are elsewhere.", why=gained),)
 
 
@@ -133,9 +136,9 @@ def _plates(before: Features, after: Features) -> list[tuple[str, bool]]:
     return found
 
 
-def _places(cells: Cells, after: Features, done: str) -> list[str]:
-    """``Two parts of the legs are left out.``, for every place at which there are some."""
-    where = Counter(after.place(cell) for cell in sorted(cells))
+def _places(cells: Cells, after: Features, done: str, told: set[str]) -> list[str]:
+    """``Two parts of the legs are left out.``, for every place that was not told of."""
+    where = Counter(place for place in map(after.place, sorted(cells)) if place not in told)
     of = "of" if done == "left out" else "to"
     return [
         f"{_parts(count).capitalize()} {of} {place} {'is' if count == 1 else 'are'} {done}."
