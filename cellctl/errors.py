@@ -120,6 +120,10 @@ class PlanError(CellctlError):
         self.cells = cells
         self.nearest = nearest
 
+    def __str__(self) -> str:
+        could = f"What could be built: {self.nearest.what}" if self.nearest is not None else ""
+        return " ".join(part for part in (self.message, could, self.hint) if part)
+
     def __reduce__(self) -> tuple[object, ...]:
         return (type(self), (self.message, self.hint, self.rule, self.cells, self.nearest))
 

@@ -27,6 +27,7 @@ from cellctl.validating.repairing import repair_shape
 from cellctl.validating.rules import Cells, size_of
 from cellctl.validating.siting import site, site_here
 from cellctl.validating.stability import Physics, assess
+from cellctl.validating.words import named, times
 
 Progress = Callable[[str], None]
 """Receives the name of each stage when it begins: discretising, checking, sequencing."""
@@ -90,7 +91,7 @@ def plan_cells(
     size, grid = size_of(wanted), config.grid
     if any(edge > room for edge, room in zip(size, grid, strict=True)):
         raise PlanError(
-            f"The object is {_times(size)} cells large; the workspace has {_times(grid)}.",
+            f"The object is {times(size)} cells large; the workspace has {times(grid)}.",
             "Make it smaller.",
         )
     parts = _parts(config, inventory_parts)
@@ -238,10 +239,9 @@ def _refuse_fallen(standing: Cells, config: CellConfig) -> None:
     verdict = assess(standing, physics)
     if verdict.margin < physics.least_margin:
         cells = tuple(sorted(verdict.moving, key=lambda c: (c.z, c.x, c.y)))
-        named = ", ".join(str(list(cell)) for cell in cells[:6])
         raise PlanError(
             f"What is said to stand would not: its joints bear {verdict.margin:.2f} times what is "
-            f"asked of them, and {physics.least_margin:g} times is due. Cells: {named}.",
+            f"asked of them, and {physics.least_margin:g} times is due. Cells: {named(cells)}.",
             "Look what really stands, and name its cells.",
             rule="stability",
             cells=cells,
@@ -266,7 +266,7 @@ def standing_cells(name: str, content: bytes, config: CellConfig) -> Cells:
     ]
     if outside:
         raise PlanError(
-            f"{name}: {list(outside[0])} is outside the workspace of {_times(config.grid)} cells.",
+            f"{name}: {list(outside[0])} is outside the workspace of {times(config.grid)} cells.",
             "Name what stands by its cells in the workspace.",
             rule="workspace",
             cells=tuple(outside),
@@ -344,10 +344,6 @@ def _other_pitch(what: str, pitch_m: float, config: CellConfig) -> PlanError:
         f"{config.voxel.pitch_m * 100:g} cm.",
         "Plan it anew.",
     )
-
-
-def _times(size: tuple[int, int, int]) -> str:
-    return " x ".join(str(edge) for edge in size)
 
 
 def _silent(_name: str) -> None:
