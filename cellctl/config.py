@@ -125,18 +125,16 @@ class LimitsSection(Section):
 class StabilitySection(Section):
     """What holds parts together, and what a placement does to them.
 
-    The paper publishes none of these. With parts of 0.15 kg the defaults fit what it reports: its
-    four objects stand at every step of a good order; a row of three parts over nothing holds while
-    it is built, and one of four does not; a free-standing column of four and the part on top of
-    them stand while they are built, and one more does not. Measure your own parts.
+    The paper publishes none of it. With parts of 0.15 kg the defaults fit what it reports: its four
+    objects stand at every step of a good order; a row of three over nothing holds while it is built
+    and one of four does not; a column of four with a part on top does, and one higher does not.
     """
 
     magnet_force_n: Positive = 22.0
     """Pull that one joint of two faces holds, straight apart."""
     contact: Literal["diamond", "square"] = "square"
-    """Where two faces touch: the whole face, or a square that stands on its corner, as that of a
-    cuboctahedron. With ``diamond`` no magnets fit both the paper's table on one leg and its rows of
-    three."""
+    """Where two faces touch: all over, or in a square that stands on its corner (cuboctahedra).
+    With ``diamond`` no magnets fit both the paper's table on one leg and its rows of three."""
     friction: Annotated[float, Field(ge=0.0, le=2.0)] = 0.5
     """Coefficient between two faces, and between a part and the floor."""
     floor: Literal["grips", "bare"] = "grips"

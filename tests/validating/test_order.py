@@ -17,6 +17,9 @@ from cellctl.validating.access import Gripper
 from cellctl.validating.checker import verify
 from cellctl.validating.layer_orders import layer_orders, tight_fits
 from cellctl.validating.order import find_order, order_cells, sketch_order
+from cellctl.validating.paper.objects import OBJECTS
+from cellctl.validating.paper.policy import process
+from cellctl.validating.paper.scaling import scale_to_fit
 from cellctl.validating.stability import Physics, assess, assess_order
 from tests.validating.plans import plan_of
 from tests.validating.random_solids import random_solid
@@ -106,6 +109,13 @@ def test_the_papers_shelf_of_60_is_built_with_no_part_between_two_others() -> No
     assert order.tight == ()
     assert order.margin >= 1
     assert passes(order.cells)
+
+
+@pytest.mark.parametrize("name", [each.name for each in OBJECTS])
+def test_what_the_paper_built_stands_at_every_step_by_the_default_figures(name: str) -> None:
+    (whole,) = (each for each in OBJECTS if each.name == name)
+    built = process(scale_to_fit(whole.surface, CONFIG.grid), CONFIG.limits, 40).cells
+    assert find_order(built, PHYSICS, GRIPPER).margin >= 1
 
 
 def test_the_papers_own_objects(test_data: Path) -> None:
