@@ -151,7 +151,7 @@ class CellClient:
         except ValidationError as error:
             raise CellctlError(f"{self._door} sent an unreadable reply.") from error
         finally:
-            socket.close()
+            self._close(socket)
         if reply.error is not None:
             kind = RefusedError if reply.error.code in {"refused", "busy"} else UsageError
             if reply.error.code == "internal":
@@ -175,10 +175,13 @@ class CellClient:
         if kind == zmq.SUB:
             socket.setsockopt(zmq.RCVHWM, 10_000)
             socket.subscribe(b"")
+        if kind == zmq.DEALER and endpoint in self._locked:
+            # Before it connects: a refusal that came before somebody listened would be lost.
+            socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
         try:
             socket.connect(endpoint)
         except zmq.ZMQError as error:
-            socket.close()
+            self._close(socket)
             raise UsageError(
                 f"{endpoint} cannot be connected to: {error.strerror}.",
                 "Name the cell's address, not that of an interface.",
@@ -191,14 +194,8 @@ class CellClient:
         poller.register(socket, zmq.POLLIN)
         locked = self._door in self._locked
         if locked:
-            turned_down = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
-            poller.register(turned_down, zmq.POLLIN)
-        try:
-            ready = [found for found, _ in poller.poll(int(timeout_s * 1000))]
-        finally:
-            if locked:
-                socket.disable_monitor()
-                turned_down.close()
+            poller.register(socket.get_monitor_socket(), zmq.POLLIN)
+        ready = [found for found, _ in poller.poll(int(timeout_s * 1000))]
         if socket in ready:
             return
         if ready:
@@ -215,6 +212,14 @@ class CellClient:
             f"No cell answers on {self._door}.",
             "Start it with `cellctl run`, or name its configuration with --config.",
         )
+
+    def _close(self, socket: zmq.Socket[bytes]) -> None:
+        """Close a socket, and what watches it."""
+        if socket.type == zmq.DEALER and self._door in self._locked:
+            turned_down = socket.get_monitor_socket()
+            socket.disable_monitor()
+            turned_down.close()
+        socket.close()
 
     def _refuse_if_closed(self) -> None:
         """A door that this user may not open would look like a daemon that does not answer."""

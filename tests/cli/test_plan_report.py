@@ -101,7 +101,7 @@ def test_a_refusal_has_the_cells_and_the_nearest_thing() -> None:
 def test_a_refusal_keeps_what_it_knows_on_its_way_between_processes() -> None:
     error = PlanError("No.", "So.", "overhang", (Cell(3, 0, 1),), Nearest(what="Less."))
     arrived = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own bytes
-    assert (str(arrived), arrived.rule) == ("No. So.", "overhang")
+    assert (str(arrived), arrived.rule) == ("No. What could be built: Less. So.", "overhang")
     assert (arrived.cells, arrived.nearest) == (error.cells, error.nearest)
 
 
