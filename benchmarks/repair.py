@@ -21,7 +21,7 @@ from cellctl.validating.access import Gripper
 from cellctl.validating.clean import Surface
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import Shape
-from cellctl.validating.paper.policy import process as rescale
+from cellctl.validating.paper.policy import plan_paper
 from cellctl.validating.repairing import FORMULA, Repaired, Wanted, repair_shape
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
@@ -94,9 +94,10 @@ def _cells(rng: random.Random) -> tuple[Shape, Cells]:
 
 
 def _rescaled(shape: Shape, parts: int) -> Cells:
-    """What the paper's rescaling makes of it; nothing where it ends without a buildable object."""
+    """What the paper's policy would build of it; nothing where it ends without an object that its
+    own rules let pass, in mid-air for example."""
     try:
-        return rescale(shape, _CONFIG.limits, parts).cells
+        return plan_paper(shape, _CONFIG.limits, parts).cells
     except PlanError:
         return frozenset()
 
