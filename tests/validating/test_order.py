@@ -58,6 +58,20 @@ def test_any_solid_gets_an_order_that_passes_the_judge_or_a_reasoned_refusal(see
     assert passes(order)
 
 
+@pytest.mark.timeout(600)
+def test_orders_of_many_small_solids_pass_the_judge() -> None:
+    ordered = 0
+    for seed in range(60):
+        cells = random_solid(seed, (3, 3, 3))
+        try:
+            order = order_cells(cells, PHYSICS, GRIPPER)
+        except PlanError:
+            continue
+        ordered += 1
+        assert passes(order), seed
+    assert ordered > 45
+
+
 @given(seed=st.integers(0, 10**6))
 @settings(max_examples=1000, deadline=None)
 def test_any_layer_is_laid_on_what_carries_it(seed: int) -> None:
