@@ -18,8 +18,8 @@ from cellctl.validating.checker_removal import taking_off
 from cellctl.validating.checker_statics import Standing, stands
 from cellctl.validating.stability import Physics, assess
 from tests.validating.plans import plan_of
-from tests.validating.random_solids import random_solid
 from tests.validating.shapes import CONFIG, cells_of
+from tests.validating.solids import random_solid
 from tests.validating.structures import buildable, shelf
 
 BENCH = (

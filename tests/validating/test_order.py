@@ -22,8 +22,8 @@ from cellctl.validating.paper.policy import process
 from cellctl.validating.paper.scaling import scale_to_fit
 from cellctl.validating.stability import Physics, assess, assess_order
 from tests.validating.plans import plan_of
-from tests.validating.random_solids import random_solid
 from tests.validating.shapes import CONFIG, cells_of, paper
+from tests.validating.solids import random_solid
 
 PHYSICS = Physics.of(CONFIG)
 GRIPPER = Gripper.of(CONFIG)
