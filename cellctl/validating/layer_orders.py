@@ -12,7 +12,7 @@ from collections.abc import Set as AbstractSet
 from typing import NamedTuple
 
 from cellctl.assembly import Cell
-from cellctl.validating.rules import lateral, reach_steps
+from cellctl.validating.rules import lateral, reach_steps, steps_from
 
 _SLOPES = ((8, 1), (1, 8), (2, 1), (1, 2))
 """Directions of sweeps, with each of the four signs: nearly along an axis, or between."""
@@ -40,7 +40,7 @@ def layer_orders(layer: AbstractSet[Cell], standing: AbstractSet[Cell]) -> list[
     """
     around = {cell for cell in standing if layer and cell.z == next(iter(layer)).z}
     resting = {cell for cell in layer | around if cell.z == 0 or cell.below() in standing}
-    distances = _distances(layer | around, resting)
+    distances = steps_from(layer | around, resting)
     if not layer <= distances.keys():
         return []
     costs: list[Callable[[Cell], int]] = []
@@ -85,21 +85,6 @@ def gaps_left(cell: Cell, placed: AbstractSet[Cell], wanted: AbstractSet[Cell]) 
             gap = (x + dx, y + dy, z)
             count += gap in wanted and gap not in placed
     return count
-
-
-def _distances(cells: AbstractSet[Cell], resting: AbstractSet[Cell]) -> dict[Cell, int]:
-    """Steps to the nearest cell that rests on something, of all that are joined to one."""
-    steps = dict.fromkeys(sorted(resting), 0)
-    front = list(steps)
-    while front:
-        following = []
-        for cell in front:
-            for beside in lateral(cell):
-                if beside in cells and beside not in steps:
-                    steps[beside] = steps[cell] + 1
-                    following.append(beside)
-        front = following
-    return steps
 
 
 def _sweep(
@@ -170,7 +155,7 @@ def _grow(
 
 def _reaches(cells: AbstractSet[Cell], resting: AbstractSet[Cell]) -> dict[Cell, int]:
     """How far out each cell hangs, of all that are joined to one that rests on something."""
-    return _distances(cells, {cell for cell in resting if cell in cells})
+    return steps_from(cells, {cell for cell in resting if cell in cells})
 
 
 def _judge(

@@ -8,6 +8,7 @@ above are what building part by part needs besides. Whether it stands is another
 from __future__ import annotations
 
 from collections.abc import Iterable
+from collections.abc import Set as AbstractSet
 
 from cellctl.assembly import Cell, Check
 from cellctl.validating import words
@@ -53,6 +54,21 @@ def reach_steps(cell: Cell, cells: Cells | set[Cell]) -> list[Cell]:
         across = Cell(x + dx, y + dy, z)
         if across in cells and (Cell(x + dx, y, z) in cells or Cell(x, y + dy, z) in cells):
             steps.append(across)
+    return steps
+
+
+def steps_from(cells: AbstractSet[Cell], resting: AbstractSet[Cell]) -> dict[Cell, int]:
+    """Steps to the nearest cell that rests on something, of all that are joined to one."""
+    steps = dict.fromkeys(sorted(resting), 0)
+    front = list(steps)
+    while front:
+        following = []
+        for cell in front:
+            for beside in lateral(cell):
+                if beside in cells and beside not in steps:
+                    steps[beside] = steps[cell] + 1
+                    following.append(beside)
+        front = following
     return steps
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cellctl.assembly import Cell
-from cellctl.validating.rules import Cells, lateral, supported
+from cellctl.validating.rules import Cells, lateral, steps_from, supported
 
 Cost = tuple[int, ...]
 
@@ -47,14 +47,4 @@ def placing_cost(cells: Cells, goal: Cells) -> Callable[[Cell], Cost]:
 def reaches(cells: Cells) -> dict[Cell, int]:
     """How many joints each cell is from one of its layer that rests on something, so that a corner
     is farther out than its neighbours; cells that nothing carries are left out."""
-    steps = {cell: 0 for cell in cells if supported(cell, cells)}
-    front = list(steps)
-    while front:
-        following = []
-        for cell in front:
-            for beside in lateral(cell):
-                if beside in cells and beside not in steps:
-                    steps[beside] = steps[cell] + 1
-                    following.append(beside)
-        front = following
-    return steps
+    return steps_from(cells, {cell for cell in cells if supported(cell, cells)})
