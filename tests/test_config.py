@@ -229,7 +229,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
 def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Path]:
     """The three places, none of which has a file yet; the environment names the second."""
     found = {name: tmp_path / f"{name}.toml" for name in ("option", "environment", "etc")}
-    monkeypatch.setattr(config, "DEFAULT_PATH", found["etc"])
+    monkeypatch.setattr(config.loading, "DEFAULT_PATH", found["etc"])
     monkeypatch.setenv(config.ENVIRONMENT_VARIABLE, str(found["environment"]))
     return found
 

@@ -1,0 +1,80 @@
+"""The tables of what moves: arm, gripper, conveyor."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from cellctl.config.section import Joints, Port, Pose, Positive, Section
+
+
+class RobotSection(Section):
+    """The arm and its controller."""
+
+    model: Literal["ur10", "ur10e"]
+    """What the controller must say that it is; another one is a fault."""
+    host: Annotated[str, Field(min_length=1)]
+    """Name or address of the robot's controller."""
+    dashboard_port: Port = 29999
+    """TCP port of its dashboard server; the other ports are fixed."""
+    rtde_frequency_hz: Literal[125, 500]
+    """How often the controller reports; a ur10 (CB3) knows 125 only."""
+    home_rad: Joints
+    """Where the arm rests between jobs, clear of everything."""
+    travel_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)]
+    """Speed of the TCP between feeder and workspace."""
+    travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=10.0)]
+    """Acceleration of the TCP, everywhere."""
+    approach_speed_m_s: Annotated[float, Field(gt=0.0, le=1.0)]
+    """Speed over the last stretch, where parts touch."""
+    approach_height_m: Annotated[float, Field(gt=0.0, le=0.2)]
+    """Length of that stretch."""
+    blend_radius_m: Annotated[float, Field(ge=0.0, le=0.2)]
+    """How round the corners of a path may be; 0 stops at each."""
+    clearance_m: Annotated[float, Field(gt=0.0, le=0.3)]
+    """Least distance between a carried part and what it crosses."""
+    watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
+    """The controller stops the arm when it hears nothing for one period of this."""
+    host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0
+    """The arm process stops the arm when the daemon says nothing for this long (wall time)."""
+    connect_timeout_s: Positive = 10.0
+    """For connecting to the controller and starting its program."""
+    move_timeout_factor: Annotated[float, Field(ge=1.2, le=20.0)] = 3.0
+    """A movement that takes this many times its planned duration, plus 2 s, is a fault."""
+
+
+class GripperSection(Section):
+    """The gripper's lines on the robot's controller. High on the command line unlatches."""
+
+    command_output: Annotated[int, Field(ge=0, le=7)]
+    """Standard digital output."""
+    status_input: Annotated[int, Field(ge=0, le=7)]
+    """Standard digital input; high while a completed latch is confirmed."""
+    travel_timeout_s: Positive
+    """For the latch to move and say so (cell time)."""
+    release_s: Positive = 0.5
+    """How long the latch takes to open, which no line tells (cell time)."""
+    retries: Annotated[int, Field(ge=0, le=5)] = 1
+    """How often a silent gripper or a missed pick is tried again before it is a fault."""
+
+
+class FeederSection(Section):
+    """The conveyor that brings parts."""
+
+    frame: Pose
+    """Centre of the top face of the part that waits at the pick station; x along the feed."""
+    port: Annotated[str, Field(min_length=1)]
+    """Serial port of the conveyor's board."""
+    baud: Literal[9600, 19200, 38400, 57600, 115200] = 115200
+    """Bits per second on that port."""
+    capacity_parts: Annotated[int, Field(ge=1, le=1000)]
+    """How many parts a full belt holds."""
+    width_m: Positive
+    """Width of the belt, an obstacle."""
+    reply_timeout_s: Positive = 0.3
+    """For one line's answer (wall time); a line is sent again twice before the board is lost."""
+    index_timeout_s: Positive = 10.0
+    """For bringing one part to the pick station (cell time)."""
+    retries: Annotated[int, Field(ge=0, le=5)] = 1
+    """How often an index that brought nothing is tried again before it is a fault."""
