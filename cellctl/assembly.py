@@ -68,25 +68,92 @@ class Intent(StrEnum):
     NONE = "none"
 
 
+Axis = Literal["width", "depth", "height"]
+Attribute = int | str | bool
+
+
+class Correction(Value):
+    """Words that were taken for others, because they sound like them."""
+
+    heard: str
+    taken: str
+
+
+class Edit(Value):
+    """One change to the object that was designed before.
+
+    ``scale`` changes a size and ``set`` fixes one, or an attribute; ``add`` and ``remove`` are
+    about parts; ``replace`` wants another object, which the request names.
+    """
+
+    op: Literal["scale", "add", "remove", "set", "replace"]
+    part: str = ""
+    """What it is about, as it was said, singular (``leg``, ``shelf``); empty for all of it."""
+    attribute: str = ""
+    """What designs call that: ``legs``, ``tiers``, ``back``, ``colour``, ``count``, ``strength``;
+    empty for a size."""
+    axis: Literal["width", "depth", "height", "length"] | None = None
+    """Of a size; ``length`` is the longer side, or a part's own. None is every axis alike."""
+    direction: Literal["+", "-"] | None = None
+    """Of ``scale``: more or less of it."""
+    amount: Annotated[float, Field(gt=0.0)] | None = None
+    """How much, or how many parts. None: nobody said, which is one voxel or one part, and for
+    ``remove`` every part of that name."""
+    unit: Literal["parts", "voxels", "metres", "times"] | None = None
+    """Of ``amount``; ``times`` is a factor: twice as tall is ``+`` 2 times."""
+    value: Attribute | None = None
+    """Of ``set``: what an attribute becomes."""
+
+
 class Request(Value):
     """What the cell understood: the object to design, or why there is none."""
 
     text: str
+    """The sentence as it came, before anything was corrected."""
     intent: Intent
     phrase: str
     """The phrase that names the object, lower case, without its article; ``false`` for none."""
     objects: tuple[str, ...] = ()
     """Head nouns of what is to be built, singular."""
     count: Annotated[int, Field(ge=0)] = 0
-    attributes: dict[str, int | str | bool] = Field(default_factory=dict)
+    attributes: dict[str, Attribute] = Field(default_factory=dict)
     """Such as ``legs``, ``tiers``, ``back``, ``arms``, ``glyph``."""
-    dimensions_m: dict[Literal["width", "depth", "height"], float] = Field(default_factory=dict)
+    dimensions_m: dict[Axis, float] = Field(default_factory=dict)
     """Only sizes that the speaker stated, in metres."""
+    dimension_sources: dict[Axis, Literal["stated", "voxels", "axis_assumed"]] = Field(
+        default_factory=dict
+    )
+    """Where each size comes from: said with its unit, counted in voxels ("ten blocks high"), or
+    said without saying which way, and taken for the height."""
+    edits: tuple[Edit, ...] = ()
+    """For ``edit``: the changes, in the order in which they were said."""
+    hints: tuple[Literal["too_small", "too_big", "too_many"], ...] = ()
+    """What is known of it before it is designed: smaller than a voxel, larger than the workspace,
+    or more than one object or all the parts make."""
     command: str | None = None
     """For ``control``: one of the operator's or visitor's commands, such as ``stop``."""
+    ask: str = ""
+    """What should be asked back, in words for the visitor; empty where nothing is unclear."""
+    refusal: str = ""
+    """Why it shall not be built although it could be, in words for the visitor; empty where it may
+    be."""
+    corrections: tuple[Correction, ...] = ()
+    """What was taken for something else than was heard."""
     reason: str = ""
-    """Why it was decided so, in words for the visitor."""
+    """What was decided, in words for the visitor."""
+    confidence: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
+    """How sure the back end is of its decision; no probability."""
     back_end: str = "rules"
+    """Which back end decided."""
+    why: str = ""
+    """By what it decided, in words for whoever looks into it."""
+    cloud: bool = False
+    """Whether the words left this computer."""
+
+    @property
+    def buildable(self) -> bool:
+        """Whether it is a wish for an object that may be built."""
+        return self.intent is Intent.DESIGN and not self.refusal
 
 
 class Check(Value):

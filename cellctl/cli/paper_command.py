@@ -26,6 +26,7 @@ def make_report(config: Path | None, table: str | None) -> Report:
         ConfigError: there is no configuration, or a wrong one.
     """
     from cellctl.listening.request import read_request  # noqa: PLC0415
+    from cellctl.listening.understanding.interpreter import Setting  # noqa: PLC0415
     from cellctl.validating.paper.comparing import TableName, compare  # noqa: PLC0415 - heavy
 
     if table is not None and table not in set(TableName):
@@ -33,8 +34,8 @@ def make_report(config: Path | None, table: str | None) -> Report:
         raise UsageError(f"There is no table {table!r}.", f"Known: {known}.")
     settings = configuration(config)
     names = tuple(TableName) if table is None else (TableName(table),)
-    pitch_m = settings.voxel.pitch_m
-    return compare(settings, lambda text: read_request(text, pitch_m).phrase, names)
+    setting = Setting.of(settings)
+    return compare(settings, lambda text: read_request(text, setting).phrase, names)
 
 
 def register(app: typer.Typer) -> None:

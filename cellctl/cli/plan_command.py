@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from cellctl.assembly import BuildPlan, Intent
+from cellctl.assembly import BuildPlan
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.cli.plan_files import Outputs
@@ -66,11 +66,12 @@ def make_plan(
             )
         from cellctl.generating.design import design  # noqa: PLC0415 - heavy
         from cellctl.listening.request import read_request  # noqa: PLC0415
+        from cellctl.listening.understanding.interpreter import Setting  # noqa: PLC0415
         from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
 
-        request = read_request(given, config.voxel.pitch_m)
-        if request.intent is not Intent.DESIGN:
-            raise NoObjectError(request.reason)
+        request = read_request(given, Setting.of(config))
+        if not request.buildable:
+            raise NoObjectError(request.refusal or request.reason)
         if height_m is not None:
             sizes = {**request.dimensions_m, "height": height_m}
             request = request.model_copy(update={"dimensions_m": sizes})

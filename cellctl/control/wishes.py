@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import structlog
 
-from cellctl.assembly import BuildPlan, Intent, Request
+from cellctl.assembly import BuildPlan, Request
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
@@ -16,7 +16,8 @@ from cellctl.control.job import Job, Phase
 from cellctl.control.states import Event
 from cellctl.errors import NoObjectError
 from cellctl.listening.hearing import Hearing
-from cellctl.listening.request import read_request
+from cellctl.listening.understanding.embedded import EmbeddedInterpreter
+from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
 from cellctl.worker import WorkerProcess
 
@@ -51,6 +52,7 @@ class Wishes:
         self._designer = designer
         self._show = show
         self._parts_available = parts_available
+        self._interpreter: Interpreter = EmbeddedInterpreter()
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
         self.recogniser = "not loaded"
@@ -77,11 +79,11 @@ class Wishes:
     async def interpret(self, job: Job, post: Post) -> None:
         """Find out what the words ask for."""
         assert job.utterance is not None
-        request = read_request(job.utterance.text, self._config.voxel.pitch_m)
+        request = self._interpreter.interpret(job.utterance.text, Setting.of(self._config))
         self._show(SpeechData(utterance=job.utterance, request=request))
         log.info("understood", intent=request.intent, phrase=request.phrase)
         job.request = request
-        if request.intent is not Intent.DESIGN:
+        if not request.buildable:
             raise NoObjectError(_restate(request))
 
         def keep() -> None:
@@ -158,4 +160,8 @@ class Wishes:
 
 
 def _restate(request: Request) -> str:
-    return request.reason or "That is no physical object. Please ask for a thing to build."
+    return (
+        request.refusal
+        or request.reason
+        or "That is no physical object. Please ask for a thing to build."
+    )

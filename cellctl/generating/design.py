@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cellctl.assembly import Intent, Request
+from cellctl.assembly import Request
 from cellctl.config import CellConfig
 from cellctl.errors import DesignError, NoObjectError
 from cellctl.generating.generator import Generator
@@ -21,12 +21,13 @@ def design(
     """The shape from the first generator that can design what was asked for.
 
     Raises:
-        NoObjectError: the request asks for no object.
+        NoObjectError: the request asks for no object, or for one that shall not be built.
         DesignError: no generator can; the message is that of the first, the most exact one.
     """
-    if request.intent is not Intent.DESIGN:
+    if not request.buildable:
         raise NoObjectError(
-            request.reason
+            request.refusal
+            or request.reason
             or f"{request.text!r} names no object. Say what to build, such as a simple stool."
         )
     refusals: list[DesignError] = []

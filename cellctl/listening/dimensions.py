@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from cellctl.assembly import Axis
 from cellctl.listening.numbers import read_number
 
-Axis = Literal["width", "depth", "height"]
+Source = Literal["stated", "voxels", "axis_assumed"]
 
 _UNITS_M = {
     **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 0.001),
@@ -32,6 +33,8 @@ class Sizes:
     """The sizes of one sentence, and the words that stated them."""
 
     metres: dict[Axis, float] = field(default_factory=dict)
+    sources: dict[Axis, Source] = field(default_factory=dict)
+    """How each of them was said."""
     spans: list[tuple[int, int]] = field(default_factory=list)
     """Ranges of words, start to end, that state a size."""
 
@@ -70,16 +73,17 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
     unit_m = _unit_m(words, end, pitch_m, len(values))
     if unit_m is None:
         return None
+    source: Source = "voxels" if words[end] in _VOXELS else "stated"
     end += 1
     if list(words[end : end + 3]) == ["and", "a", "half"]:
         values[-1] += 0.5
         end += 3
     if len(values) > 1:
         for axis, value in zip(_TRIPLE, values, strict=False):
-            _store(sizes, axis, value * unit_m)
+            _store(sizes, axis, value * unit_m, source)
     else:
-        axis, end = _axis(words, start, end)
-        _store(sizes, axis, values[0] * unit_m)
+        said, end = _axis(words, start, end)
+        _store(sizes, said or "height", values[0] * unit_m, source if said else "axis_assumed")
     sizes.spans.append((start, end))
     return end
 
@@ -101,16 +105,17 @@ def _unit_m(words: Sequence[str], index: int, pitch_m: float, values: int) -> fl
     return None
 
 
-def _axis(words: Sequence[str], start: int, end: int) -> tuple[Axis, int]:
-    """``60 cm wide``, ``60 cm in width``, ``a width of 60 cm``."""
+def _axis(words: Sequence[str], start: int, end: int) -> tuple[Axis | None, int]:
+    """``60 cm wide``, ``60 cm in width``, ``a width of 60 cm``; None where nobody said which."""
     after = end + 1 if end < len(words) and words[end] == "in" else end
     if after < len(words) and words[after] in _AXES:
         return _AXES[words[after]], after + 1
     if start >= 2 and words[start - 1] == "of" and words[start - 2] in _AXES:
         return _AXES[words[start - 2]], end
-    return "height", end
+    return None, end
 
 
-def _store(sizes: Sizes, axis: Axis, value_m: float) -> None:
+def _store(sizes: Sizes, axis: Axis, value_m: float, source: Source) -> None:
     if 0.0 < value_m <= _LARGEST_M:
+        sizes.sources[axis] = source
         sizes.metres[axis] = round(value_m, 4)

@@ -10,15 +10,15 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from cellctl.assembly import Intent, Request
+from cellctl.assembly import Correction, Intent, Request
 from cellctl.listening.attributes import read_attributes, read_glyph
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.frames import Frame, find_frame, is_question
 from cellctl.listening.phrases import NounPhrase, read_phrase, repair
 from cellctl.listening.snapping import snap
+from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
 
-DEFAULT_PITCH_M = 0.10
 _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
@@ -31,15 +31,15 @@ class _Heard:
 
     text: str
     words: tuple[str, ...]
-    changes: tuple[str, ...]
+    changes: tuple[Correction, ...]
 
 
-def read_request(text: str, pitch_m: float = DEFAULT_PITCH_M) -> Request:
+def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
     """Understand one sentence.
 
     Args:
         text: as heard or typed, in English.
-        pitch_m: the cell's voxel pitch, which is what a visitor's "ten blocks high" counts.
+        setting: the cell.
 
     Returns:
         A request; its ``reason`` says, for the visitor, why it is none or what was corrected.
@@ -66,7 +66,7 @@ def read_request(text: str, pitch_m: float = DEFAULT_PITCH_M) -> Request:
             phrase="false",
             reason=f"That is a question; I build what I am asked for. {_TRY}",
         )
-    return _design(heard, frame, pitch_m)
+    return _design(heard, frame, setting)
 
 
 def tokens(text: str) -> list[str]:
@@ -77,9 +77,9 @@ def tokens(text: str) -> list[str]:
     return [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
 
 
-def _design(heard: _Heard, frame: Frame, pitch_m: float) -> Request:
+def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
     wish = _spell_out(frame.rest)
-    sizes = read_sizes(wish, pitch_m)
+    sizes = read_sizes(wish, setting.pitch_m)
     phrase = read_phrase(wish, sizes.spans, asked=frame.asks)
     if phrase is None:
         return _none(heard.text, f"I heard no wish for an object in that. {_TRY}")
@@ -98,6 +98,8 @@ def _design(heard: _Heard, frame: Frame, pitch_m: float) -> Request:
         count=phrase.count,
         attributes=read_attributes(wish, phrase.objects[0]),
         dimensions_m=sizes.metres,
+        dimension_sources=sizes.sources,
+        corrections=heard.changes,
         reason=_corrections(heard),
     )
 
@@ -130,4 +132,5 @@ def _none(text: str, reason: str) -> Request:
 
 
 def _corrections(heard: _Heard) -> str:
-    return f"I understood {', '.join(heard.changes)}." if heard.changes else ""
+    changed = ", ".join(f'"{change.heard}" as "{change.taken}"' for change in heard.changes)
+    return f"I understood {changed}." if changed else ""

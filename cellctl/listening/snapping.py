@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from cellctl.assembly import Correction
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 
@@ -43,14 +44,13 @@ class Snapped:
     """Words after correction, and what was changed."""
 
     words: list[str]
-    changes: list[str] = field(default_factory=list)
-    """Each as ``"tears" as "tiers"``."""
+    changes: list[Correction] = field(default_factory=list)
 
     def replace(self, start: int, end: int, *new: str) -> None:
         """Put ``new`` in the place of ``words[start:end]`` and record it."""
         old = " ".join(self.words[start:end])
         self.words[start:end] = new
-        self.changes.append(f'"{old}" as "{" ".join(new)}"')
+        self.changes.append(Correction(heard=old, taken=" ".join(new)))
 
 
 def sound_of(word: str) -> str:

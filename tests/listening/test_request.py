@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from benchmarks import requests as benchmark
 from cellctl.assembly import Intent
 from cellctl.listening.request import read_request
+from cellctl.listening.understanding.interpreter import Setting
 
 
 @pytest.mark.parametrize(
@@ -112,7 +113,9 @@ def test_sizes_are_read_with_the_cells_pitch() -> None:
     request = read_request("make a table. It should be 0.8 m tall and 60cm wide")
     assert request.phrase == "table"
     assert request.dimensions_m == {"height": 0.8, "width": 0.6}
-    assert read_request("a tower ten blocks high", 0.05).dimensions_m == {"height": 0.5}
+    assert read_request("a tower ten blocks high", Setting(pitch_m=0.05)).dimensions_m == {
+        "height": 0.5
+    }
 
 
 @pytest.mark.parametrize(
