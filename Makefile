@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test soak lint format docs lock setup setup-test install uninstall clean
+.PHONY: help demo test soak lint format docs protocol lock setup setup-test install uninstall clean
 
 BIN := .venv/bin
 # Where matplotlib keeps its list of fonts, whatever the home directory is like.
@@ -33,6 +33,10 @@ format: setup ## Put the code into shape
 
 docs: setup ## Write docs/reference anew from the code
 	@$(BIN)/python -m cellctl.cli.reference docs/reference
+
+protocol: setup ## Write both sides' constants anew from docs/serial-protocol.md
+	@$(BIN)/python -m cellctl.boards.protocol_tables docs/serial-protocol.md \
+		cellctl/boards/constants.py firmware/common/protocol.h
 
 lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer versions
 	@scripts/lock $(if $(UPGRADE),--upgrade)

@@ -13,28 +13,30 @@ from typing import Final
 
 import structlog
 
-from cellctl.clock import Clock
-from cellctl.config import FeederSection
-from cellctl.errors import CellFault
-from cellctl.feeding.belt import BeltIdentity, BeltState
-from cellctl.feeding.line import (
+from cellctl.boards.constants import (
     PITCH_UNIT_M,
     POLL_S,
     PROTOCOL_VERSION,
-    ROLE,
-    Banner,
+    BoardRole,
     Command,
-    CommandLine,
+    ConveyorFlag,
     ErrorCode,
-    Flag,
+    ReplyKind,
+)
+from cellctl.boards.line import (
+    Banner,
+    CommandLine,
     Identity,
     Reply,
-    ReplyKind,
     Status,
     encode_command,
     next_sequence,
 )
-from cellctl.feeding.link import LinkLostError, SerialLink
+from cellctl.boards.link import LinkLostError, SerialLink
+from cellctl.clock import Clock
+from cellctl.config import FeederSection
+from cellctl.errors import CellFault
+from cellctl.feeding.belt import BeltIdentity, BeltState
 
 log = structlog.get_logger(__name__)
 
@@ -116,12 +118,12 @@ class Conveyor:
             found = await self._identify(self._link)
         except LinkLostError as error:
             raise self._lost(str(error)) from error
-        if found.role != ROLE:
+        if found.role != BoardRole.CONVEYOR:
             self._drop()
             raise CellFault(
                 "belt_mismatch",
                 f"The board on {port} says it is a {found.role} "
-                f"(serial number {found.serial_number}), not a {ROLE}.",
+                f"(serial number {found.serial_number}), not a {BoardRole.CONVEYOR}.",
             )
         if found.protocol_version != PROTOCOL_VERSION:
             self._drop()
@@ -283,7 +285,7 @@ class Conveyor:
 
 def _state(status: Status) -> BeltState:
     return BeltState(
-        part_present=bool(status.flags & Flag.PART),
-        moving=bool(status.flags & Flag.MOVING),
-        indexes=status.indexes,
+        part_present=bool(status.flags & ConveyorFlag.PART),
+        moving=bool(status.flags & ConveyorFlag.MOVING),
+        indexes=status.value,
     )

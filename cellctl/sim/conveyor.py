@@ -12,37 +12,40 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from cellctl.assembly import Value
-from cellctl.config import CellConfig
-from cellctl.feeding.line import (
+from cellctl.boards.constants import (
     COMMAND_LIMIT,
-    COMMAND_START,
-    INDEX_COUNT,
+    COUNTER_COUNT,
+    FIRMWARE_VERSION,
     LATCHING,
     MOTIONS,
     PITCH_MAX,
     PITCH_MIN,
     PITCH_UNIT_M,
     PROTOCOL_VERSION,
-    ROLE,
     SILENCE_S,
     TRAVEL_LIMIT_PITCHES,
-    Banner,
+    BoardRole,
     Command,
-    CommandLine,
+    ConveyorFlag,
     ErrorCode,
-    Flag,
+    ReplyKind,
+    ResetCause,
+)
+from cellctl.boards.line import (
+    COMMAND_START,
+    Banner,
+    CommandLine,
     Identity,
     LineError,
     LineSplitter,
     Reply,
-    ReplyKind,
-    ResetCause,
     Status,
     decode_command,
     encode_banner,
     encode_reply,
     is_stale,
 )
+from cellctl.config import CellConfig
 from cellctl.sim.conveyor_faults import (
     ActiveFaults,
     CorruptedReplies,
@@ -64,7 +67,6 @@ BELT_SPEED_M_S: Final = 0.1
 STEP_S: Final = 0.01
 """The sensor is looked at after each such piece of a motion, which is 1 mm of belt."""
 SERIAL_NUMBER: Final = "1E952253494D00000001"
-FIRMWARE_VERSION: Final = "1.0"
 
 
 class BeltWorld(Protocol):
@@ -293,7 +295,7 @@ class ConveyorEmulator:
             memory.outcome = (
                 Reply(motion.sequence, ReplyKind.OK, self._status())
                 if error is None
-                else Reply(motion.sequence, ReplyKind.ERROR, error=error)
+                else Reply(motion.sequence, ReplyKind.ERR, error=error)
             )
 
     # --- the drive and the sensor -------------------------------------------------------------
@@ -323,7 +325,7 @@ class ConveyorEmulator:
     def _end_forward(self, motion: _Motion) -> None:
         if self._sensor():
             self._indexes += 1
-            self._memory.indexes = (self._memory.indexes + 1) % INDEX_COUNT
+            self._memory.indexes = (self._memory.indexes + 1) % COUNTER_COUNT
             self._stop(None)
         elif motion.travelled_m >= TRAVEL_LIMIT_PITCHES * motion.pitch_m:
             self._stop(ErrorCode.NO_EDGE)
@@ -336,21 +338,26 @@ class ConveyorEmulator:
 
     def _status(self) -> Status:
         memory = self._memory
-        flags = Flag(0)
+        flags = ConveyorFlag(0)
         if self._sensor():
-            flags |= Flag.PART
+            flags |= ConveyorFlag.PART
         if memory.motion is not None:
-            flags |= Flag.MOVING
+            flags |= ConveyorFlag.MOVING
         if memory.error is not None:
-            flags |= Flag.LATCHED
+            flags |= ConveyorFlag.LATCHED
         return Status(flags, memory.indexes)
 
     def _identity(self) -> Identity:
-        return Identity(self._role(), SERIAL_NUMBER, self._protocol_version(), FIRMWARE_VERSION)
+        return Identity(
+            self._role(),
+            SERIAL_NUMBER,
+            self._protocol_version(),
+            FIRMWARE_VERSION[BoardRole.CONVEYOR],
+        )
 
     def _role(self) -> str:
         wrong = self._faults.get(WrongRole)
-        return ROLE if wrong is None else wrong.role
+        return BoardRole.CONVEYOR if wrong is None else wrong.role
 
     def _protocol_version(self) -> int:
         wrong = self._faults.get(WrongProtocol)
@@ -371,4 +378,4 @@ class ConveyorEmulator:
 
 
 def _error(line: CommandLine, error: ErrorCode) -> Reply:
-    return Reply(line.sequence, ReplyKind.ERROR, error=error)
+    return Reply(line.sequence, ReplyKind.ERR, error=error)

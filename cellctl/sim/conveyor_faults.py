@@ -10,8 +10,8 @@ from typing import Annotated, Any, TypeVar
 from pydantic import Field, ValidationError
 
 from cellctl.assembly import Value
+from cellctl.boards.constants import ResetCause
 from cellctl.errors import UsageError
-from cellctl.feeding.line import ResetCause
 
 
 class Silent(Value):
@@ -68,7 +68,7 @@ class WrongRole(Value):
 class WrongProtocol(Value):
     """The firmware speaks another version of the protocol."""
 
-    version: Annotated[int, Field(ge=0, le=255)] = 2
+    version: Annotated[int, Field(ge=0, le=255)] = 1
 
 
 class Unplugged(Value):

@@ -297,7 +297,7 @@ _CONVEYOR = (
         Device.CONVEYOR,
         "wrong_protocol",
         "The conveyor's firmware speaks another version of the protocol.",
-        (Parameter("version", int, "the version, 0 to 255", 2),),
+        (Parameter("version", int, "the version, 0 to 255", 1),),
     ),
 )
 _GRIPPER = (

@@ -8,17 +8,20 @@ from pathlib import Path
 
 import pytest
 
-from cellctl.clock import SystemClock
-from cellctl.errors import CellFault
-from cellctl.feeding.conveyor import SENDS, Conveyor
-from cellctl.feeding.line import (
+from cellctl.boards.constants import (
     COMMAND_LIMIT,
+    PROTOCOL_VERSION,
     TRAVEL_LIMIT_PITCHES,
     Command,
+)
+from cellctl.boards.line import (
     CommandLine,
     encode_command,
 )
-from cellctl.feeding.link import SerialLink
+from cellctl.boards.link import SerialLink
+from cellctl.clock import SystemClock
+from cellctl.errors import CellFault
+from cellctl.feeding.conveyor import SENDS, Conveyor
 from cellctl.sim.conveyor import SERIAL_NUMBER
 from tests.feeding.bench import PITCH_M, Bench, bench, cell_config
 
@@ -31,7 +34,7 @@ def test_connect_tells_who_answers_and_may_be_repeated() -> None:
             first = await cell.conveyor.connect()
             assert first.role == "conveyor"
             assert first.serial_number == SERIAL_NUMBER
-            assert first.protocol_version == 1
+            assert first.protocol_version == PROTOCOL_VERSION
             assert await cell.conveyor.connect() == first
 
     asyncio.run(scenario())

@@ -11,26 +11,29 @@ from typing import Any
 
 import pytest
 
-from cellctl.errors import UsageError
-from cellctl.feeding.line import (
-    BANNER_START,
+from cellctl.boards.constants import (
     PITCH_MIN,
+    PROTOCOL_VERSION,
     REPLY_LIMIT,
-    REPLY_START,
     SILENCE_S,
     TRAVEL_LIMIT_PITCHES,
-    Banner,
     Command,
-    CommandLine,
+    ConveyorFlag,
     ErrorCode,
-    Flag,
-    LineSplitter,
-    Reply,
     ReplyKind,
     ResetCause,
+)
+from cellctl.boards.line import (
+    BANNER_START,
+    REPLY_START,
+    Banner,
+    CommandLine,
+    LineSplitter,
+    Reply,
     decode_reply,
     encode_command,
 )
+from cellctl.errors import UsageError
 from cellctl.sim.conveyor import BELT_SPEED_M_S, ConveyorEmulator
 from cellctl.sim.conveyor_faults import FAULTS
 from tests.feeding.bench import PITCH_M, PartsOnBelt, cell_config
@@ -105,9 +108,9 @@ def identified(parts: int = 5) -> Iterator[Board]:
 
 def test_the_banner_tells_why_the_board_started() -> None:
     with switched_on() as board:
-        assert board.heard() == [Banner("conveyor", 1, ResetCause.POWER)]
+        assert board.heard() == [Banner("conveyor", PROTOCOL_VERSION, ResetCause.POWER)]
         board.emulator.inject("reset", cause="watchdog")
-        assert board.heard() == [Banner("conveyor", 1, ResetCause.WATCHDOG)]
+        assert board.heard() == [Banner("conveyor", PROTOCOL_VERSION, ResetCause.WATCHDOG)]
 
 
 def test_nothing_moves_before_the_board_is_identified() -> None:
@@ -123,8 +126,8 @@ def test_a_repeated_number_tells_the_outcome_again_and_moves_nothing() -> None:
     with identified() as board:
         outcome = board.finish(1)
         assert outcome.status is not None
-        assert outcome.status.flags == Flag.PART
-        assert outcome.status.indexes == 1
+        assert outcome.status.flags == ConveyorFlag.PART
+        assert outcome.status.value == 1
         board.world.take()
         for _ in range(5):
             assert board.ask(1, Command.FORWARD, PITCH) == outcome
@@ -155,7 +158,7 @@ def test_a_halted_index_is_not_begun_again_by_a_late_repetition() -> None:
         board.emulator.advance(0.1)
         halted = board.ask(2, Command.HALT)
         assert halted.status is not None
-        assert not halted.status.flags & Flag.MOVING
+        assert not halted.status.flags & ConveyorFlag.MOVING
         travel_m = board.world.travel_m
         assert board.ask(1, Command.FORWARD, PITCH).error is ErrorCode.STALE
         board.emulator.advance(0.1)
@@ -198,7 +201,7 @@ def test_nothing_came_stays_latched_until_it_is_cleared() -> None:
         assert board.world.travel_m == pytest.approx(TRAVEL_LIMIT_PITCHES * PITCH_M, abs=0.002)
         status = board.ask(2, Command.STATUS).status
         assert status is not None
-        assert status.flags == Flag.LATCHED
+        assert status.flags == ConveyorFlag.LATCHED
         assert board.ask(3, Command.FORWARD, PITCH).error is ErrorCode.LATCHED
         assert board.ask(4, Command.CLEAR).kind is ReplyKind.OK
         assert board.ask(5, Command.FORWARD, PITCH).kind is ReplyKind.BUSY
@@ -210,7 +213,7 @@ def test_a_part_is_taken_back_by_one_pitch() -> None:
         outcome = board.finish(2, Command.BACKWARD)
         assert outcome.kind is ReplyKind.OK
         assert outcome.status is not None
-        assert outcome.status.flags == Flag(0)
+        assert outcome.status.flags == ConveyorFlag(0)
         assert board.world.travel_m == pytest.approx(0.0, abs=0.002)
 
 

@@ -1,16 +1,15 @@
-"""The line protocol between the host and the conveyor's board: pure encoding and decoding.
+"""The line protocol between the host and the cell's boards: pure encoding and decoding.
 
 Described for people in ``docs/serial-protocol.md``. One line is one frame::
 
     host to board     >1A F 03E8*49              number, command, argument, CRC
     board to host     <1A busy 02 002F*63        number, kind, fields, CRC
-    unasked, at boot  !conveyor 01 watchdog*FD   role, protocol version, cause, CRC
+    unasked, at boot  !conveyor 02 watchdog*C0   role, protocol version, cause, CRC
 
-The board must be able to run on a microcontroller with 256 bytes of memory: a command fits 16
-bytes, numbers are hexadecimal in capitals, and what the board has to remember is one sequence
-number and one outcome. The start characters are different and occur nowhere else in a line, so that
-both ends find the next line after any garbage, and a host on a single-wire link can tell its own
-echo.
+A board must be able to run on a microcontroller with 256 bytes of memory: a command fits 16 bytes,
+numbers are hexadecimal in capitals, and what a board has to remember is one sequence number and one
+outcome. The start characters are different and occur nowhere else in a line, so that both ends find
+the next line after any garbage, and a host on a single-wire link can tell its own echo.
 """
 
 from __future__ import annotations
@@ -18,125 +17,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from enum import IntFlag, StrEnum
+from enum import StrEnum
 from typing import Final
 
-PROTOCOL_VERSION: Final = 1
-ROLE: Final = "conveyor"
-"""What the conveyor's board calls itself; 1 to 12 letters of a to z."""
+from cellctl.boards.constants import (
+    COMMAND_LIMIT,
+    CRC_POLYNOMIAL,
+    CRC_START,
+    REPLY_LIMIT,
+    SEQUENCE_COUNT,
+    STALE_COUNT,
+    ErrorCode,
+    ReplyKind,
+    ResetCause,
+)
 
 COMMAND_START: Final = b">"
 REPLY_START: Final = b"<"
 BANNER_START: Final = b"!"
 END: Final = b"\n"
-COMMAND_LIMIT: Final = 16
-"""Longest command in bytes, start and end included."""
-REPLY_LIMIT: Final = 64
-"""Longest reply or banner in bytes, start and end included."""
-
-SEQUENCE_COUNT: Final = 256
-STALE_COUNT: Final = 128
-"""A number that is 1 to this many behind the last one is an old line, late on its way."""
-INDEX_COUNT: Final = 0x10000
-"""The counter of indexes starts over at this."""
-
-CRC_POLYNOMIAL: Final = 0x65
-"""x^8 + x^6 + x^5 + x^2 + 1. With the two checksum digits in hexadecimal it still detects every
-1- and 2-bit error of a line of up to 16 bytes, which the more common 0x07 does not."""
-CRC_START: Final = 0x00
-
-PITCH_UNIT_M: Final = 0.0001
-"""The argument of an index command is the pitch from part to part in this unit."""
-PITCH_MIN: Final = 200
-PITCH_MAX: Final = 2500
-
-SILENCE_S: Final = 0.20
-"""A moving belt stops when the board has not had a valid line for this long."""
-POLL_S: Final = 0.05
-"""How often the host repeats the line of an index under way: its way to ask, and its sign of
-life."""
-TRAVEL_LIMIT_PITCHES: Final = 2.5
-"""How far an index forward moves at most; bridges the place of one part that is missing."""
-
-
-class Command(StrEnum):
-    """What the host may ask."""
-
-    IDENTIFY = "I"
-    """Who are you? Starts a session: the belt halts, and the board forgets the last outcome."""
-    STATUS = "S"
-    FORWARD = "F"
-    """Move forward until the sensor sees a part's edge; argument: the pitch. Done at once when a
-    part is there."""
-    BACKWARD = "B"
-    """Take a part back: move one pitch backward; argument: the pitch."""
-    HALT = "H"
-    """Stop where it is."""
-    CLEAR = "C"
-    """Forget the latched error."""
-
-
-MOTIONS: Final = frozenset({Command.FORWARD, Command.BACKWARD})
-
-
-class ReplyKind(StrEnum):
-    """How a reply begins, after its sequence number."""
-
-    OK = "ok"
-    BUSY = "busy"
-    """The motion with this number is under way; repeat the line to hear its outcome."""
-    ERROR = "err"
-
-
-class ErrorCode(StrEnum):
-    """Why the board did not do it."""
-
-    NO_EDGE = "no_edge"
-    """Latched. The drive turned as far as it may and the sensor saw no part's edge. Whether the
-    belt is empty or jammed the board cannot know."""
-    NO_MOTION = "no_motion"
-    """Latched. The motor driver reports a stall, or the part that was to be taken back is still
-    at the sensor."""
-    SILENCE = "silence"
-    """The host was not heard for ``SILENCE_S``; the belt stopped by itself."""
-    HALTED = "halted"
-    """A halt ended the motion."""
-    MOVING = "moving"
-    """Another motion is under way."""
-    LATCHED = "latched"
-    """An error is latched; clear it first."""
-    UNREADY = "unready"
-    """The board was reset; identify first."""
-    STALE = "stale"
-    """The sequence number is an old one."""
-    COMMAND = "command"
-    """There is no such command."""
-    ARGUMENT = "argument"
-    """The argument is missing, malformed or out of range."""
-
-
-LATCHING: Final = frozenset({ErrorCode.NO_EDGE, ErrorCode.NO_MOTION})
-
-
-class Flag(IntFlag):
-    """The flags of a status, sent as two digits."""
-
-    PART = 0x01
-    """The sensor sees a part."""
-    MOVING = 0x02
-    LATCHED = 0x04
-    """An error is latched."""
-
-
-class ResetCause(StrEnum):
-    """Why the board started, in its banner."""
-
-    POWER = "power"
-    BROWNOUT = "brownout"
-    EXTERNAL = "external"
-    WATCHDOG = "watchdog"
-    SOFTWARE = "software"
-    PROGRAMMER = "programmer"
 
 
 class LineError(ValueError):
@@ -149,22 +48,23 @@ class CommandLine:
 
     sequence: int
     command: str
-    """A letter; one that ``Command`` does not know is for the board to refuse."""
+    """A letter; one that the board does not know is for it to refuse."""
     argument: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What the board knows of its belt; part of every ``ok`` and ``busy`` but identify's."""
+    """What a board says of itself; part of every ``ok`` and ``busy`` but identify's."""
 
-    flags: Flag
-    indexes: int
-    """Parts brought to the pick station since power-on, modulo ``INDEX_COUNT``."""
+    flags: int
+    """Bits of ``ConveyorFlag`` or ``GripperFlag``."""
+    value: int
+    """What the command asks for; otherwise the board's counter."""
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """The answer to identify."""
+    """The answer to identify: who a board says it is."""
 
     role: str
     serial_number: str
@@ -234,7 +134,7 @@ def encode_reply(reply: Reply) -> bytes:
     """
     fields = [_hex(reply.sequence, 2), reply.kind.value]
     if reply.status is not None:
-        fields += [_hex(reply.status.flags, 2), _hex(reply.status.indexes, 4)]
+        fields += [_hex(reply.status.flags, 2), _hex(reply.status.value, 4)]
     if reply.identity is not None:
         identity = reply.identity
         fields += [
@@ -286,7 +186,7 @@ def decode_reply(frame: bytes) -> Reply | Banner:
     fields = found.groupdict()
     sequence, kind = int(found["sequence"], 16), ReplyKind(found["kind"])
     if "flags" in fields:
-        status = Status(Flag(int(found["flags"], 16)), int(found["indexes"], 16))
+        status = Status(int(found["flags"], 16), int(found["value"], 16))
         return Reply(sequence, kind, status=status)
     if "role" in fields:
         identity = Identity(
@@ -336,7 +236,7 @@ _ROLE = r"(?P<role>[a-z]{1,12}) "
 _PROTOCOL = r"(?P<protocol>[0-9A-F]{2}) "
 _COMMAND: Final = re.compile(_SEQUENCE + r" (?P<command>[A-Z])(?: (?P<argument>[0-9A-F]{4}))?")
 _STATUS: Final = re.compile(
-    _SEQUENCE + r" (?P<kind>ok|busy) (?P<flags>0[0-7]) (?P<indexes>[0-9A-F]{4})"
+    _SEQUENCE + r" (?P<kind>ok|busy) (?P<flags>[0-9A-F]{2}) (?P<value>[0-9A-F]{4})"
 )
 _IDENTITY: Final = re.compile(
     _SEQUENCE

@@ -18,10 +18,9 @@ from typing import Final
 import serial
 import structlog
 
-from cellctl.errors import CellctlError
-from cellctl.feeding.line import (
+from cellctl.boards.constants import REPLY_LIMIT
+from cellctl.boards.line import (
     BANNER_START,
-    REPLY_LIMIT,
     REPLY_START,
     Banner,
     LineError,
@@ -29,6 +28,7 @@ from cellctl.feeding.line import (
     Reply,
     decode_reply,
 )
+from cellctl.errors import CellctlError
 
 log = structlog.get_logger(__name__)
 

@@ -1,0 +1,1 @@
+"""Tests of the boards' protocol, link and drivers."""
