@@ -2,14 +2,15 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test soak lint format docs protocol lock setup setup-test install uninstall clean
+.PHONY: help demo test soak lint format docs protocol firmware flash-gripper flash-conveyor lock \
+	setup setup-test install uninstall clean
 
 BIN := .venv/bin
 # Where matplotlib keeps its list of fonts, whatever the home directory is like.
 export MPLCONFIGDIR := $(CURDIR)/.venv/matplotlib
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+.*:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
 demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture and a report in out/
 	@mkdir -p out
@@ -38,6 +39,14 @@ protocol: setup ## Write both sides' constants anew from docs/serial-protocol.md
 	@$(BIN)/python -m cellctl.boards.protocol_tables docs/serial-protocol.md \
 		cellctl/boards/constants.py firmware/common/protocol.h
 
+firmware: setup ## Compile the boards' programs into firmware/build
+	@$(MAKE) --no-print-directory -C firmware
+
+flash-gripper: ## Write program and fuses of the gripper's board; PORT=/dev/ttyUSB0
+flash-conveyor: ## The same for the conveyor's
+flash-gripper flash-conveyor: firmware
+	@$(MAKE) --no-print-directory -C firmware $@ PORT='$(PORT)'
+
 lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer versions
 	@scripts/lock $(if $(UPGRADE),--upgrade)
 
@@ -54,6 +63,6 @@ uninstall: ## As root: remove the service; PURGE=1 removes configuration and jou
 	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/uninstall $(if $(PURGE),--purge)
 
 clean: ## Remove everything that was made here, the environment included
-	rm -rf .venv out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache \
+	rm -rf .venv out build dist firmware/build *.egg-info .mypy_cache .ruff_cache .pytest_cache \
 		.import_linter_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,200 @@
+#include "gripper.h"
+
+#include "hardware.h"
+
+enum {
+    PART_SAMPLES = 10, /* the switch bounces for less, in ms */
+    SUPPLY_SAMPLES = 20,  /* the servo's own dips are shorter, in ms */
+    SUPPLY_MIN_MV = 4000, /* below it a servo of 5 V no longer turns the latch for certain */
+    SUPPLY_MAX_MV = 5500,
+    STACK_RESERVE = 16,   /* bytes */
+};
+
+/* Supply times reading of the 1.1 V reference. */
+static const uint32_t full_scale_mv = 1100UL * 1023;
+
+const struct identity gripper_identity = {.role = PROTOCOL_ROLE_GRIPPER, .firmware = PROTOCOL_FIRMWARE_GRIPPER};
+
+void gripper_start(struct gripper *gripper, struct survivors *survivors) {
+    gripper->survivors = survivors;
+    gripper->latch.cycles = survivors->cycles;
+    uint8_t record[RECORD_LENGTH];
+    for (uint8_t index = 0; index < RECORD_LENGTH; index++) {
+        record[index] = hardware_eeprom_read(index);
+    }
+    gripper->record_good = calibration_decode(&gripper->calibration, record);
+}
+
+/* Write the record byte by byte, each looked at before and after; wear and waiting stay small. */
+static void store_tick(struct gripper *gripper) {
+    if (gripper->store_left == 0 || !hardware_eeprom_ready()) {
+        return;
+    }
+    uint8_t record[RECORD_LENGTH];
+    calibration_encode(&gripper->calibration, record);
+    uint8_t index = (uint8_t)(RECORD_LENGTH - gripper->store_left);
+    if (hardware_eeprom_read(index) == record[index]) {
+        gripper->store_left--;
+        gripper->store_tried = false;
+        gripper->record_good = gripper->store_left == 0;
+    } else if (gripper->store_tried) {
+        gripper->store_left = 0;
+        gripper->store_tried = false;
+        gripper->latch.fault = PROTOCOL_FAULT_STORE;
+    } else {
+        hardware_eeprom_write(index, record[index]);
+        gripper->store_tried = true;
+    }
+}
+
+static uint16_t supply_mv(const struct gripper *gripper) {
+    uint16_t reading = gripper->inputs.reference_reading;
+    return reading < 20 ? UINT16_MAX : (uint16_t)(full_scale_mv / reading);
+}
+
+void gripper_tick(struct gripper *gripper, const struct gripper_inputs *inputs) {
+    gripper->inputs = *inputs;
+    debounce_take(&gripper->part, inputs->part, PART_SAMPLES);
+    debounce_take(&gripper->supply_low, inputs->reference_reading > full_scale_mv / SUPPLY_MIN_MV,
+                  SUPPLY_SAMPLES);
+    latch_tick(&gripper->latch, &gripper->calibration, inputs->command_high,
+               gripper->supply_low.level);
+    survivors_set_cycles(gripper->survivors, gripper->latch.cycles);
+    store_tick(gripper);
+}
+
+/* A mask if the condition holds, and nothing otherwise. */
+static uint8_t bit(bool condition, uint8_t mask) { return condition ? mask : 0; }
+
+static uint8_t flags(const struct gripper *gripper) {
+    const struct latch *latch = &gripper->latch;
+    return bit(gripper->part.level, PROTOCOL_GRIPPER_FLAG_PART) |
+           bit(latch_moving(latch), PROTOCOL_GRIPPER_FLAG_MOVING) |
+           bit(latch->fault != PROTOCOL_FAULT_NONE, PROTOCOL_GRIPPER_FLAG_LATCHED) |
+           bit(latch->confirmed, PROTOCOL_GRIPPER_FLAG_CONFIRMED) |
+           bit(latch->command.level, PROTOCOL_GRIPPER_FLAG_TOLD_OPEN) |
+           bit(!gripper->record_good, PROTOCOL_GRIPPER_FLAG_DEFAULT);
+}
+
+static uint8_t self_test(const struct gripper *gripper) {
+    uint16_t supply = supply_mv(gripper);
+    return bit(!gripper->record_good, PROTOCOL_TEST_RECORD) |
+           bit(supply < SUPPLY_MIN_MV || supply > SUPPLY_MAX_MV, PROTOCOL_TEST_SUPPLY) |
+           bit(!hardware_fuses_right(), PROTOCOL_TEST_FUSES) |
+           bit(hardware_stack_left() < STACK_RESERVE, PROTOCOL_TEST_STACK) |
+           bit(gripper->inputs.status_stuck, PROTOCOL_TEST_STATUS_LINE) |
+           bit(!gripper->part.settled, PROTOCOL_TEST_SENSOR);
+}
+
+static uint16_t read_register(const struct gripper *gripper, uint8_t number,
+                              uint16_t damaged_lines) {
+    switch (number) {
+    case PROTOCOL_REGISTER_LATCH_PULSE:
+        return gripper->calibration.latch_pulse_us;
+    case PROTOCOL_REGISTER_UNLATCH_PULSE:
+        return gripper->calibration.unlatch_pulse_us;
+    case PROTOCOL_REGISTER_TRAVEL:
+        return gripper->calibration.travel_ms;
+    case PROTOCOL_REGISTER_CYCLES:
+        return gripper->latch.cycles;
+    case PROTOCOL_REGISTER_WATCHDOG_RESETS:
+        return gripper->survivors->watchdog_resets;
+    case PROTOCOL_REGISTER_BROWNOUT_RESETS:
+        return gripper->survivors->brownout_resets;
+    case PROTOCOL_REGISTER_DAMAGED_LINES:
+        return damaged_lines;
+    case PROTOCOL_REGISTER_SUPPLY:
+        return supply_mv(gripper);
+    case PROTOCOL_REGISTER_FAULT:
+        return gripper->latch.fault;
+    default:
+        return hardware_stack_left();
+    }
+}
+
+/* Begin to keep the calibration, once a command, or tell how that goes on. */
+static void answer_keep(struct gripper *gripper, const struct command *command,
+                        struct line *reply) {
+    if (!gripper->keeping && latch_moving(&gripper->latch)) {
+        reply_error(reply, command, PROTOCOL_ERROR_MOVING);
+        return;
+    }
+    if (!gripper->keeping) {
+        gripper->keeping = true;
+        gripper->store_left = RECORD_LENGTH;
+    }
+    if (gripper->latch.fault == PROTOCOL_FAULT_STORE) {
+        reply_error(reply, command, PROTOCOL_ERROR_LATCHED);
+    } else {
+        reply_status(reply, command, gripper->store_left > 0 ? PROTOCOL_REPLY_BUSY : PROTOCOL_REPLY_OK, flags(gripper),
+                     gripper->latch.cycles);
+    }
+}
+
+/* Change one number of the calibration, for the next time the latch moves. */
+static void answer_calibrate(struct gripper *gripper, const struct command *command,
+                             struct line *reply) {
+    struct calibration *calibration = &gripper->calibration;
+    uint16_t *number = &calibration->travel_ms;
+    bool valid = calibration_travel_valid(command->argument);
+    if (command->letter != PROTOCOL_COMMAND_TRAVEL) {
+        number = command->letter == PROTOCOL_COMMAND_LATCH_PULSE ? &calibration->latch_pulse_us
+                                                        : &calibration->unlatch_pulse_us;
+        valid = calibration_pulse_valid(command->argument);
+    }
+    if (!command->has_argument || !valid) {
+        reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
+    } else if (latch_moving(&gripper->latch)) {
+        reply_error(reply, command, PROTOCOL_ERROR_MOVING);
+    } else if (gripper->store_left > 0) {
+        reply_status(reply, command, PROTOCOL_REPLY_BUSY, flags(gripper), *number);
+    } else {
+        *number = command->argument;
+        reply_status(reply, command, PROTOCOL_REPLY_OK, flags(gripper), *number);
+    }
+}
+
+void gripper_answer(struct gripper *gripper, const struct command *command, uint16_t damaged_lines,
+                    struct line *reply) {
+    enum verdict verdict = session_take(&gripper->session, &gripper_identity, command, reply);
+    if (verdict == COMMAND_NEW || verdict == COMMAND_IDENTIFIED) {
+        gripper->keeping = false;
+    }
+    if (verdict == COMMAND_ANSWERED || verdict == COMMAND_IDENTIFIED) {
+        return;
+    }
+    uint16_t value = gripper->latch.cycles;
+    bool wants_argument = false;
+    switch (command->letter) {
+    case PROTOCOL_COMMAND_LATCH_PULSE:
+    case PROTOCOL_COMMAND_UNLATCH_PULSE:
+    case PROTOCOL_COMMAND_TRAVEL:
+        answer_calibrate(gripper, command, reply);
+        return;
+    case PROTOCOL_COMMAND_READ:
+        wants_argument = command->argument <= PROTOCOL_REGISTER_STACK_LEFT;
+        value = read_register(gripper, (uint8_t)command->argument, damaged_lines);
+        break;
+    case PROTOCOL_COMMAND_SELF_TEST:
+        value = self_test(gripper);
+        break;
+    case PROTOCOL_COMMAND_CLEAR:
+    case PROTOCOL_COMMAND_KEEP:
+    case PROTOCOL_COMMAND_STATUS:
+    case PROTOCOL_COMMAND_IDENTIFY:
+        break;
+    default:
+        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
+        return;
+    }
+    if (command->has_argument != wants_argument) {
+        reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
+    } else if (command->letter == PROTOCOL_COMMAND_KEEP) {
+        answer_keep(gripper, command, reply);
+    } else {
+        if (command->letter == PROTOCOL_COMMAND_CLEAR) {
+            gripper->latch.fault = PROTOCOL_FAULT_NONE;
+        }
+        reply_status(reply, command, PROTOCOL_REPLY_OK, flags(gripper), value);
+    }
+}
