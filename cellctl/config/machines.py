@@ -8,6 +8,9 @@ from pydantic import Field
 
 from cellctl.config.section import Joints, Port, Pose, Positive, Section
 
+Baud = Literal[9600, 19200, 38400, 57600, 115200]
+BoardSerial = Annotated[str | None, Field(pattern="^[0-9A-F]{1,20}$")]
+
 
 class RobotSection(Section):
     """The arm and its controller."""
@@ -57,6 +60,15 @@ class GripperSection(Section):
     """How long the latch takes to open, which no line tells (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1
     """How often a silent gripper or a missed pick is tried again before it is a fault."""
+    port: Annotated[str | None, Field(min_length=1)] = None
+    """Serial port of the gripper's board, which tells more than the two lines; none: it is not
+    connected. The lines command the latch either way."""
+    baud: Baud = 115200
+    """Bits per second on that port."""
+    serial_number: BoardSerial = None
+    """Serial number that the board must have; none: any."""
+    reply_timeout_s: Positive = 0.3
+    """For one line's answer (wall time); a line is sent again twice before the board is lost."""
 
 
 class FeederSection(Section):
@@ -66,14 +78,18 @@ class FeederSection(Section):
     """Centre of the top face of the part that waits at the pick station; x along the feed."""
     port: Annotated[str, Field(min_length=1)]
     """Serial port of the conveyor's board."""
-    baud: Literal[9600, 19200, 38400, 57600, 115200] = 115200
+    baud: Baud = 115200
     """Bits per second on that port."""
+    serial_number: BoardSerial = None
+    """Serial number that the board must have; none: any."""
     capacity_parts: Annotated[int, Field(ge=1, le=1000)]
     """How many parts a full belt holds."""
     width_m: Positive
     """Width of the belt, an obstacle."""
     reply_timeout_s: Positive = 0.3
     """For one line's answer (wall time); a line is sent again twice before the board is lost."""
+    reconnect_timeout_s: Annotated[float, Field(ge=0.0, le=60.0)] = 3.0
+    """How long a board that is lost in the middle of a build is looked for (wall time)."""
     index_timeout_s: Positive = 10.0
     """For bringing one part to the pick station (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1

@@ -8,10 +8,12 @@ from typing import Any
 import structlog
 
 from cellctl.assembly import Cell
+from cellctl.boards.constants import ResetCause
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
 from cellctl.sim.conveyor import ConveyorEmulator
 from cellctl.sim.faults import FAULTS, Device, Fault
+from cellctl.sim.gripper_board import GripperBoardEmulator
 from cellctl.sim.latch import Latch, LatchFault
 from cellctl.sim.messages import Argument, CellTruth
 from cellctl.sim.ur.controller import UrController
@@ -23,6 +25,7 @@ from cellctl.sim.world_values import Imperfections, Violation
 log = structlog.get_logger(__name__)
 
 Arguments = dict[str, Argument]
+_BOARDS = (Device.CONVEYOR, Device.GRIPPER_BOARD)
 
 
 class EmulatedCell:
@@ -59,25 +62,30 @@ class EmulatedCell:
             plant,
         )
         self.conveyor = ConveyorEmulator(self.world, config)
+        self.gripper_board = (
+            GripperBoardEmulator(self.latch, config) if config.gripper.port is not None else None
+        )
         self._faults: list[str] = []
 
     async def start(self) -> None:
-        """Open the robot's ports and the conveyor's pseudo-terminal.
+        """Open the robot's ports and the boards' pseudo-terminals.
 
         Raises:
             OSError: one of the robot's ports is taken.
-            UsageError: the conveyor's port is taken.
+            UsageError: a board's port is taken.
         """
         await self.robot.start()
         try:
-            self.conveyor.start()
+            for board in self._boards():
+                board.start()
         except BaseException:
-            await self.robot.stop()
+            await self.stop()
             raise
 
     async def stop(self) -> None:
         """Close everything; safe to repeat."""
-        self.conveyor.stop()
+        for board in self._boards():
+            board.stop()
         await self.robot.stop()
 
     def advance(self, dt_s: float) -> None:
@@ -85,7 +93,8 @@ class EmulatedCell:
         self.world.advance(dt_s)
         self.robot.advance(dt_s)
         self.latch.advance(dt_s)
-        self.conveyor.advance(dt_s)
+        for board in self._boards():
+            board.advance(dt_s)
 
     def inject(self, name: str, arguments: Arguments) -> None:
         """Make a fault of the table happen.
@@ -101,10 +110,12 @@ class EmulatedCell:
                 self.conveyor.inject(fault.effect, **values)
             case Device.GRIPPER:
                 self._inject_gripper(fault)
+            case Device.GRIPPER_BOARD:
+                self._talking_gripper().inject(fault.effect, **values)
             case Device.WORLD:
                 self._inject_world(fault, values)
         label = _label(fault, values)
-        lasting = not fault.once and fault.device is not Device.CONVEYOR
+        lasting = not fault.once and fault.device not in _BOARDS
         if lasting and label not in self._faults:
             self._faults.append(label)
         log.info("fault injected", fault=name, **arguments)
@@ -125,6 +136,8 @@ class EmulatedCell:
                 self.conveyor.clear(fault.effect)
             case Device.GRIPPER:
                 self.latch.clear(LatchFault(fault.effect))
+            case Device.GRIPPER_BOARD:
+                self._talking_gripper().clear(fault.effect)
             case Device.WORLD:
                 self.world.straighten_parts()
         label = _label(fault, values)
@@ -148,23 +161,37 @@ class EmulatedCell:
             robot=self.robot.truth(),
             conveyor=self.conveyor.truth().model_dump(mode="json"),
             latch=self.latch.truth(),
+            gripper_board=self.gripper_board.truth() if self.gripper_board is not None else {},
         )
 
+    def _boards(self) -> tuple[ConveyorEmulator | GripperBoardEmulator, ...]:
+        boards = (self.conveyor, self.gripper_board)
+        return tuple(board for board in boards if board is not None)
+
+    def _talking_gripper(self) -> GripperBoardEmulator:
+        if self.gripper_board is None:
+            raise UsageError(
+                "The gripper's board has no serial port in this cell.", "Set gripper.port."
+            )
+        return self.gripper_board
+
     def _active_faults(self) -> tuple[str, ...]:
-        # Some of the conveyor's faults end by themselves: it knows best which are left.
-        left = self.conveyor.truth().faults
-        on_conveyor = [
-            fault.name
-            for fault in FAULTS.values()
-            if fault.device is Device.CONVEYOR and fault.effect in left
+        # Some of the boards' faults end by themselves: they know best which are left.
+        left = {(Device.CONVEYOR, name) for name in self.conveyor.truth().faults}
+        if self.gripper_board is not None:
+            left |= {(Device.GRIPPER_BOARD, name) for name in self.gripper_board.fault_names()}
+        on_boards = [
+            fault.name for fault in FAULTS.values() if (fault.device, fault.effect) in left
         ]
-        return (*self._faults, *on_conveyor)
+        return (*self._faults, *on_boards)
 
     def _inject_gripper(self, fault: Fault) -> None:
-        if fault.effect == "reboot":
-            self.latch.reboot()
-        else:
+        if fault.effect != "reboot":
             self.latch.inject(LatchFault(fault.effect))
+        elif self.gripper_board is not None:
+            self.gripper_board.reset(ResetCause.POWER)
+        else:
+            self.latch.reboot()
 
     def _inject_world(self, fault: Fault, values: dict[str, Any]) -> None:
         match fault.effect:

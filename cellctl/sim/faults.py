@@ -18,6 +18,7 @@ class Device(StrEnum):
 
     ROBOT = "robot"
     GRIPPER = "gripper"
+    GRIPPER_BOARD = "gripper board"
     CONVEYOR = "conveyor"
     WORLD = "world"
 
@@ -240,18 +241,73 @@ _CONVEYOR = (
         "The part sensor reads the same whatever is there.",
         (Parameter("reads", bool, "whether it always sees a part, or never does", True),),
     ),
-    Fault(
-        "board_silent",
-        Device.CONVEYOR,
-        "silent",
-        "The conveyor's board neither hears nor answers.",
-    ),
-    Fault(
-        "board_unplugged",
-        Device.CONVEYOR,
-        "unplugged",
-        "The conveyor's port vanishes; once it is back, the board has been reset.",
-    ),
+)
+
+
+def _of_board(device: Device, prefix: str, board: str, other: str) -> tuple[Fault, ...]:
+    """What every board and its cable can suffer."""
+    rows: tuple[tuple[str, str, str, tuple[Parameter, ...]], ...] = (
+        ("board_silent", "silent", f"{board} neither hears nor answers.", ()),
+        (
+            "board_unplugged",
+            "unplugged",
+            f"{board} is unplugged: its port vanishes; once it is back, the board has been reset.",
+            (),
+        ),
+        (
+            "replies_lost",
+            "lost_replies",
+            f"The next replies of {board} never arrive, though it acts.",
+            (_COUNT,),
+        ),
+        (
+            "replies_corrupted",
+            "corrupted_replies",
+            f"One bit of each of the next replies of {board} is flipped.",
+            (_COUNT,),
+        ),
+        (
+            "replies_in_garbage",
+            "garbage",
+            f"Random bytes precede every reply of {board}.",
+            (Parameter("count", int, "how many bytes", 20),),
+        ),
+        (
+            "line_noise",
+            "noise",
+            f"Lines to and from {board} are lost, doubled, delayed, garbled or cut short.",
+            (
+                Parameter("share", float, "of all lines, that something happens to", 0.2),
+                Parameter("delay_s", float, "the longest delay in seconds, 1 at most", 0.1),
+            ),
+        ),
+        (
+            "board_role",
+            "wrong_role",
+            f"Another board is on the port of {board}.",
+            (Parameter("role", str, "what it calls itself", other),),
+        ),
+        (
+            "board_protocol",
+            "wrong_protocol",
+            f"The firmware of {board} speaks another version of the protocol.",
+            (Parameter("version", int, "the version, 0 to 255", 1),),
+        ),
+        (
+            "board_firmware",
+            "old_firmware",
+            f"The firmware of {board} is of another version.",
+            (Parameter("version", str, "the version, digits and dots", "0.9.0"),),
+        ),
+    )
+    return tuple(
+        Fault(prefix + name, device, effect, title[0].upper() + title[1:], parameters)
+        for name, effect, title, parameters in rows
+    )
+
+
+_CONVEYOR_BOARD = (
+    *_of_board(Device.CONVEYOR, "", "the conveyor's board", "gripper"),
     Fault(
         "board_reset",
         Device.CONVEYOR,
@@ -264,40 +320,26 @@ _CONVEYOR = (
         once=True,
         remedy="Identify the board again.",
     ),
+)
+_GRIPPER_BOARD = (
+    *_of_board(Device.GRIPPER_BOARD, "gripper_", "the gripper's board", "conveyor"),
     Fault(
-        "replies_lost",
-        Device.CONVEYOR,
-        "lost_replies",
-        "The next replies of the conveyor's board never arrive, though it acts.",
-        (_COUNT,),
+        "gripper_board_reset",
+        Device.GRIPPER_BOARD,
+        "reset",
+        "The gripper's board starts anew: the latch stays where it is, unconfirmed.",
+        (Parameter("cause", str, "the cause that its banner tells", "watchdog"),),
+        once=True,
+        remedy="Unlatch and latch again.",
     ),
     Fault(
-        "replies_corrupted",
-        Device.CONVEYOR,
-        "corrupted_replies",
-        "One bit of each of the next replies of the conveyor's board is flipped.",
-        (_COUNT,),
-    ),
-    Fault(
-        "replies_in_garbage",
-        Device.CONVEYOR,
-        "garbage",
-        "Random bytes precede every reply of the conveyor's board.",
-        (Parameter("count", int, "how many bytes", 20),),
-    ),
-    Fault(
-        "board_role",
-        Device.CONVEYOR,
-        "wrong_role",
-        "Another board is on the conveyor's port.",
-        (Parameter("role", str, "what it calls itself", "gripper"),),
-    ),
-    Fault(
-        "board_protocol",
-        Device.CONVEYOR,
-        "wrong_protocol",
-        "The conveyor's firmware speaks another version of the protocol.",
-        (Parameter("version", int, "the version, 0 to 255", 1),),
+        "gripper_store_damaged",
+        Device.GRIPPER_BOARD,
+        "store_damaged",
+        "The gripper's calibration in the EEPROM is damaged, which the board finds out when it "
+        "starts.",
+        once=True,
+        remedy="Set the calibration again and keep it.",
     ),
 )
 _GRIPPER = (
@@ -376,6 +418,6 @@ _WORLD = (
     ),
 )
 
-FAULTS: dict[str, Fault] = {
-    fault.name: fault for fault in (*_ROBOT, *_CONVEYOR, *_GRIPPER, *_WORLD)
-}
+_ALL = (*_ROBOT, *_CONVEYOR, *_CONVEYOR_BOARD, *_GRIPPER, *_GRIPPER_BOARD, *_WORLD)
+
+FAULTS: dict[str, Fault] = {fault.name: fault for fault in _ALL}

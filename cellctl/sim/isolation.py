@@ -62,6 +62,9 @@ def isolated(config: CellConfig, folder: Path, speed: float | None = None) -> Ce
         update={
             "cell": config.cell.model_copy(update=cell),
             "robot": config.robot.model_copy(update={"host": free_robot_host()}),
+            "gripper": config.gripper.model_copy(
+                update={"port": str(folder / "gripper") if config.gripper.port else None}
+            ),
             "feeder": config.feeder.model_copy(update={"port": str(folder / "conveyor")}),
             "bus": config.bus.model_copy(
                 update={

@@ -39,7 +39,10 @@ class Latch:
 
     def __init__(self, world: World, travel_s: float = TRAVEL_S) -> None:
         self._world = world
-        self._travel_s = travel_s
+        self.travel_s = travel_s
+        """Cell time from a command to its completion; the board's calibration may change it."""
+        self.cycles = 0
+        """Latches completed."""
         self._faults: set[LatchFault] = set()
         self._closed = True
         self._wanted_closed = True
@@ -52,6 +55,26 @@ class Latch:
     def closed(self) -> bool:
         """Whether the latch is closed and at rest."""
         return self._closed and self._travelled_s is None
+
+    @property
+    def moving(self) -> bool:
+        """Whether the latch is on its way."""
+        return self._travelled_s is not None
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether a latch was completed, and nothing changed since."""
+        return self._confirmed
+
+    @property
+    def told_open(self) -> bool:
+        """Whether the command line is high."""
+        return not self._wanted_closed
+
+    @property
+    def faulty(self) -> bool:
+        """Whether the gripper reports a fault of its own."""
+        return LatchFault.FAULT in self._faults
 
     @property
     def status(self) -> bool:
@@ -78,12 +101,13 @@ class Latch:
             return
         self._travelled_s += dt_s
         # Half a microsecond less: sums of time steps fall short of their target by rounding.
-        if self._travelled_s < self._travel_s - 5e-7:
+        if self._travelled_s < self.travel_s - 5e-7:
             return
         self._travelled_s = None
         self._closed = self._wanted_closed
         if self._closed:
             self._confirmed = True
+            self.cycles += 1
             self._world.latch_closed()
         else:
             self._world.latch_opened()
@@ -111,7 +135,7 @@ class Latch:
         """The latch as it is, for the record."""
         return {
             "latched": self.closed,
-            "moving": self._travelled_s is not None,
+            "moving": self.moving,
             "status": self.status,
             "faults": sorted(self._faults),
         }

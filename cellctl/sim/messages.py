@@ -127,6 +127,8 @@ class CellTruth(Value):
     robot: dict[str, Any]
     conveyor: dict[str, Any]
     latch: dict[str, Any]
+    gripper_board: dict[str, Any]
+    """Empty where the board has no serial port."""
 
 
 class Reply(Value):

@@ -18,10 +18,12 @@ class PseudoTerminal:
 
     Args:
         link: the port's name; a symbolic link is made there, and folders that are missing.
+        option: which option of cell.toml names it, for messages.
     """
 
-    def __init__(self, link: Path) -> None:
+    def __init__(self, link: Path, option: str) -> None:
         self._link = link
+        self._option = option
         self._made: list[Path] = []
         """Folders to remove again, the innermost first."""
         self._master = self._slave = -1
@@ -41,7 +43,7 @@ class PseudoTerminal:
         if self._link.exists() and not self._link.is_symlink():
             raise UsageError(
                 f"{self._link} is in the way of the emulated port.",
-                "Remove it or choose another feeder.port.",
+                f"Remove it or choose another {self._option}.",
             )
         self._master, self._slave = os.openpty()
         try:
@@ -53,7 +55,8 @@ class PseudoTerminal:
         except OSError as error:
             self.close()
             raise UsageError(
-                f"{self._link} cannot be made: {error.strerror}.", "Choose another feeder.port."
+                f"{self._link} cannot be made: {error.strerror}.",
+                f"Choose another {self._option}.",
             ) from error
 
     def close(self) -> None:

@@ -19,9 +19,10 @@ from cellctl.boards.line import (
     encode_command,
 )
 from cellctl.boards.link import SerialLink
+from cellctl.boards.session import SENDS
 from cellctl.clock import SystemClock
 from cellctl.errors import CellFault
-from cellctl.feeding.conveyor import SENDS, Conveyor
+from cellctl.feeding.conveyor import Conveyor
 from cellctl.sim.conveyor import SERIAL_NUMBER
 from tests.feeding.bench import PITCH_M, Bench, bench, cell_config
 

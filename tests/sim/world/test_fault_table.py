@@ -10,6 +10,7 @@ from cellctl.errors import UsageError
 from cellctl.sim.cell import EmulatedCell
 from cellctl.sim.conveyor_faults import FAULTS as CONVEYOR_FAULTS
 from cellctl.sim.faults import FAULTS, Device, Fault, Parameter
+from cellctl.sim.gripper_board import FAULTS as GRIPPER_BOARD_FAULTS
 from cellctl.sim.latch import LatchFault
 from cellctl.sim.messages import Argument
 from cellctl.sim.world_values import Imperfections, ViolationKind
@@ -51,6 +52,9 @@ def test_no_fault_of_a_device_is_left_out() -> None:
     effects = {(fault.device, fault.effect) for fault in FAULTS.values()}
     assert {effect for device, effect in effects if device is Device.CONVEYOR} == set(
         CONVEYOR_FAULTS
+    )
+    assert {effect for device, effect in effects if device is Device.GRIPPER_BOARD} == set(
+        GRIPPER_BOARD_FAULTS
     )
     assert {(Device.GRIPPER, fault.value) for fault in LatchFault} <= effects
 
