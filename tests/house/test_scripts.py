@@ -20,6 +20,11 @@ case "$*" in
 esac
 """
 
+BUILD = """#!/bin/bash
+# Stands in for the building of the simulator, once.
+[[ -e $1/simulator ]] || { mkdir "$1/simulator" && echo "pip install simulator" >>"$LOG"; }
+"""
+
 
 class Project:
     """A copy of what ``scripts/setup`` looks at, with a Python that only takes notes."""
@@ -29,6 +34,10 @@ class Project:
         self.log = root / "log"
         (root / "scripts").mkdir()
         (root / "bin").mkdir()
+        simulator = root / "firmware" / "simulator"
+        simulator.mkdir(parents=True)
+        (simulator / "build").write_text(BUILD)
+        (simulator / "build").chmod(0o755)
         shutil.copy(REPOSITORY / "scripts" / "setup", root / "scripts" / "setup")
         for name in ("pyproject.toml", "requirements.lock", "requirements-build.lock"):
             (root / name).write_text(name)
@@ -68,6 +77,13 @@ def test_setup_installs_from_the_locks_by_hash(project: Project) -> None:
     assert "--no-index --editable ." in itself
     assert "making .venv" in result.stderr
     assert "installing the locked Python packages" in result.stderr
+
+
+def test_only_the_tests_need_the_simulator(project: Project) -> None:
+    project.setup()
+    assert "pip install simulator" not in project.installs
+    assert project.setup("--test").returncode == 0
+    assert project.installs == ["pip install simulator"]
 
 
 @pytest.mark.parametrize("arguments", [(), ("--test",)])
