@@ -236,6 +236,31 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         remedy="Look at the latch, then reset and resume.",
     ),
     FaultEntry(
+        code="gripper_reset",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="The gripper's board was reset, and nobody has confirmed its latch since.",
+        causes=(
+            "Its supply failed for a moment: a loose plug, or a servo that draws too much.",
+            "Its program hung, and its watchdog started it anew.",
+        ),
+        remedy=(
+            "Look whether the part is in the gripper; reset, and resume if it is, or say where it "
+            "is with `cellctl recover`, then resume."
+        ),
+    ),
+    FaultEntry(
+        code="gripper_mismatch",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="The board on the gripper's port is not a gripper that this cellctl can run.",
+        causes=("Two serial ports are swapped.", "The board's firmware is of another version."),
+        remedy=(
+            "Correct gripper.port, install the matching firmware, or leave the port out: the "
+            "gripper works without it. Then reset and resume."
+        ),
+    ),
+    FaultEntry(
         code="pick_missed",
         severity=Severity.HELD,
         policy=Policy.RETRY,
@@ -402,6 +427,24 @@ NOTICES: dict[str, Notice] = {
                 "The computer is too busy to listen.",
             ),
             remedy="Plug the microphone in and look at `cellctl microphone`; the cell tries again.",
+        ),
+        Notice(
+            code="gripper_board_lost",
+            title="The gripper's board does not answer on its serial port; its lines work on.",
+            causes=("Its USB cable is out.", "Its board has no power."),
+            remedy="Check the cable and gripper.port; the cell tries again.",
+        ),
+        Notice(
+            code="gripper_board_mismatch",
+            title="Another board answers on the gripper's serial port; its lines work on.",
+            causes=("Two serial ports are swapped.", "The board's firmware is of another version."),
+            remedy="Correct gripper.port or install the matching firmware; the cell tries again.",
+        ),
+        Notice(
+            code="gripper_uncalibrated",
+            title="The gripper runs with its default calibration: its own is damaged or missing.",
+            causes=("It is a new board.", "Its EEPROM was damaged when its supply failed."),
+            remedy="Set it with `cellctl gripper set`, and `cellctl gripper keep` it.",
         ),
     )
 }

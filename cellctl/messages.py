@@ -124,18 +124,37 @@ class ArmData(Value):
     safety: str = "unknown"
 
 
+class BoardData(Value):
+    """One of the cell's own boards, as it told when it was connected."""
+
+    port: str
+    serial_number: str
+    protocol_version: int
+    firmware_version: str
+
+
 class ConveyorData(Value):
     """Topic ``conveyor``: what the belt does."""
 
     connected: bool
     part_present: bool = False
     activity: str = ""
+    board: BoardData | None = None
+    """The newest that answered."""
 
 
 class GripperData(Value):
-    """Topic ``gripper``: what the latch holds, as far as the cell knows."""
+    """Topic ``gripper``: what the latch holds, as far as the cell knows, and its board."""
 
     holding: Literal["nothing", "part", "latching", "releasing"]
+    board: BoardData | None = None
+    """None while its serial port is not connected, which it need not be."""
+    resets: int = 0
+    """How often it was reset since the daemon began."""
+    registers: dict[str, int] = Field(default_factory=dict)
+    """What it told of itself when last asked, by name; units stand in the serial protocol."""
+    notice: Notice | None = None
+    """What is wrong with its board, while it is."""
 
 
 class SpeechData(Value):
@@ -370,6 +389,19 @@ class HandCommand(Value):
     """For ``open`` with a part in the gripper: a person holds the part and takes it away."""
 
 
+class GripperCommand(Value):
+    """Ask the gripper's board, or change its calibration; nothing moves."""
+
+    command: Literal["gripper"] = "gripper"
+    do: Literal["show", "test", "set", "keep", "clear"]
+    latch_pulse_us: int | None = None
+    """For ``set``: the servo's pulse for a closed latch."""
+    unlatch_pulse_us: int | None = None
+    """For ``set``: the servo's pulse for an open latch."""
+    travel_ms: int | None = None
+    """For ``set``: how long the servo is given to turn."""
+
+
 class ListenCommand(Value):
     """Press the button: what is said into the microphone next is a request."""
 
@@ -396,7 +428,8 @@ Command = Annotated[
     | MissingCommand
     | CountCommand
     | OwnCommand
-    | HandCommand,
+    | HandCommand
+    | GripperCommand,
     Field(discriminator="command"),
 ]
 
@@ -445,6 +478,6 @@ def attachment_limit(role: Role, max_audio_s: float) -> int:
 
 OPERATOR_COMMANDS = frozenset(
     {"build", "resume", "reset", "clear", "refill", "recover", "missing", "count", "own", "hand"}
-    | {"unmute"}
+    | {"unmute", "gripper"}
 )
 """Commands that a visitor may not give."""

@@ -5,6 +5,10 @@ emergency stop keep the voxel. The status line is high only while a completed la
 falls as soon as the command changes, and toggles at 5 Hz to report a fault. So a latch counts only
 when the line was seen low first, rose, and then stayed high; and an opening, which no line
 confirms, is given the time that it takes.
+
+A board that is reset while its latch opens leaves it where it is, with the line low as if it were
+open. Where the board's serial port is connected, it is asked after each opening; an opening during
+which it was reset counts for nothing, and is done again from a closed latch.
 """
 
 from __future__ import annotations
@@ -12,8 +16,9 @@ from __future__ import annotations
 import structlog
 
 from cellctl.assembling.arm import Arm, ArmState
+from cellctl.assembling.gripper_board import GripperBoard
 from cellctl.config import CellConfig
-from cellctl.errors import CellFault
+from cellctl.errors import CellctlError, CellFault
 
 _TOGGLE_PERIOD_S = 0.2
 """Of the status line while the gripper reports a fault."""
@@ -29,44 +34,61 @@ class LatchGripper:
     Args:
         arm: whose controller the lines are on; it must be connected.
         config: the cell.
+        board: what its serial port tells; None where it is not connected.
     """
 
-    def __init__(self, arm: Arm, config: CellConfig) -> None:
+    def __init__(self, arm: Arm, config: CellConfig, board: GripperBoard | None = None) -> None:
         self._arm = arm
         self._lines = config.gripper
+        self._board = board
 
     async def latch(self) -> None:
+        trouble = ""
         for attempt in range(self._lines.retries + 1):
             if attempt > 0:
                 _log.warning("gripper_latch_again", attempt=attempt)
             # A latch that is closed already is opened, or its closing would prove nothing.
             if attempt > 0 or not self._commanded_open():
                 await self.unlatch()
+            resets = self._board.resets if self._board is not None else 0
             await self._command(open_=False)
             if await self._status(high=True, timeout_s=self._lines.travel_timeout_s):
-                if await self._status(high=False, timeout_s=STEADY_S):
+                if not await self._status(high=False, timeout_s=STEADY_S):
+                    return
+                if not await self._reset_since(resets):
                     raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
-                return
+                trouble = " Its board was reset."
         raise CellFault(
             "gripper_silent",
             f"No confirmed latch within {self._lines.travel_timeout_s:.1f} s "
-            f"({self._lines.retries + 1} attempts).",
+            f"({self._lines.retries + 1} attempts).{trouble}{await self._board_says()}",
         )
 
     async def unlatch(self) -> None:
+        trouble = CellFault("gripper_silent")
         for attempt in range(self._lines.retries + 1):
             if attempt > 0:
                 _log.warning("gripper_unlatch_again", attempt=attempt)
                 await self._command(open_=False)
+                if trouble.code == "gripper_reset":
+                    # From a known place: the board that started anew knows of no latch.
+                    await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
+            resets = self._board.resets if self._board is not None else 0
             await self._command(open_=True)
-            if await self._status(high=False, timeout_s=self._lines.travel_timeout_s):
-                opening_s = max(self._lines.release_s, STEADY_S)
-                if await self._status(high=True, timeout_s=opening_s):
-                    raise CellFault("gripper_fault", "The status line rose while it opened.")
+            if not await self._status(high=False, timeout_s=self._lines.travel_timeout_s):
+                says = await self._board_says()
+                trouble = CellFault(
+                    "gripper_silent",
+                    f"The status line stays high although the latch was told to open.{says}",
+                )
+                continue
+            opening_s = max(self._lines.release_s, STEADY_S)
+            if await self._status(high=True, timeout_s=opening_s):
+                raise CellFault("gripper_fault", "The status line rose while it opened.")
+            if not await self._reset_since(resets):
                 return
-        raise CellFault(
-            "gripper_silent", "The status line stays high although the latch was told to open."
-        )
+            trouble = CellFault("gripper_reset", "It was reset while the latch opened.")
+        raise trouble
 
     async def check_wiring(self) -> float:
         await self.unlatch()
@@ -101,6 +123,31 @@ class LatchGripper:
             names = " and ".join(str(line) for line in others)
             return f"{told}; input {names} changed instead: is that the status line?"
         return f"{told}; no input changed: look at the command line and at the gripper's power."
+
+    async def _reset_since(self, resets: int) -> bool:
+        """Whether the board was reset since it counted so many; False where nobody can tell."""
+        if self._board is None:
+            return False
+        try:
+            await self._board.state()
+        except CellctlError as error:
+            _log.info("gripper_board_asked_in_vain", reason=str(error))
+        return self._board.resets != resets
+
+    async def _board_says(self) -> str:
+        """What the board makes of it, as a sentence for the operator; empty where it tells nothing.
+
+        Tells a broken status line from a latch that does not move, and a broken command line.
+        """
+        if self._board is None:
+            return ""
+        try:
+            said = await self._board.state()
+        except CellctlError as error:
+            return f" Its board tells nothing more: {error}"
+        told = "open" if said.told_open else "closed"
+        confirmed = "confirmed" if said.confirmed else "not confirmed"
+        return f" Its board says: the command line asks for {told}, the latch is {confirmed}."
 
     def _state(self) -> ArmState:
         state = self._arm.state()

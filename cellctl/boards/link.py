@@ -13,6 +13,7 @@ import os
 import select
 import termios
 from collections import deque
+from collections.abc import Callable
 from typing import Final
 
 import serial
@@ -48,10 +49,12 @@ class SerialLink:
 
     Args:
         device: an open port with ``timeout=0`` and ``write_timeout=0``.
+        on_banner: called when a board tells that it has started, before the banner is received.
     """
 
-    def __init__(self, device: serial.Serial) -> None:
+    def __init__(self, device: serial.Serial, on_banner: Callable[[Banner], None]) -> None:
         self._device = device
+        self._on_banner = on_banner
         self._loop = asyncio.get_running_loop()
         self._splitter = LineSplitter((REPLY_START, BANNER_START), REPLY_LIMIT)
         self._received: deque[Reply | Banner] = deque(maxlen=_QUEUE_LIMIT)
@@ -62,7 +65,9 @@ class SerialLink:
         self._loop.add_reader(device.fileno(), self._read)
 
     @classmethod
-    async def open(cls, port: str, baud: int) -> SerialLink:
+    async def open(
+        cls, port: str, baud: int, on_banner: Callable[[Banner], None] = lambda _: None
+    ) -> SerialLink:
         """Open a port for this process alone.
 
         Raises:
@@ -72,7 +77,7 @@ class SerialLink:
         opening = asyncio.get_running_loop().run_in_executor(None, _open_device, port, baud)
         try:
             async with asyncio.timeout(OPEN_TIMEOUT_S):
-                return cls(await asyncio.shield(opening))
+                return cls(await asyncio.shield(opening), on_banner)
         except TimeoutError:
             opening.add_done_callback(_close_late)
             raise LinkLostError(f"{port} does not open within {OPEN_TIMEOUT_S:g} s.") from None
@@ -136,9 +141,13 @@ class SerialLink:
             return
         for frame in self._splitter.feed(data):
             try:
-                self._received.append(decode_reply(frame))
+                message = decode_reply(frame)
             except LineError as error:
                 log.debug("damaged line dropped", port=self._device.port, reason=str(error))
+                continue
+            if isinstance(message, Banner):
+                self._on_banner(message)
+            self._received.append(message)
         if self._received:
             self._arrived.set()
 

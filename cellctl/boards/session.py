@@ -126,7 +126,9 @@ class Board:
         settings = self._settings
         try:
             if self._link is None:
-                self._link = await SerialLink.open(settings.port, settings.baud)
+                self._link = await SerialLink.open(
+                    settings.port, settings.baud, lambda banner: self._was_reset(banner.cause)
+                )
                 await self._notice_reset_meanwhile(self._link)
             found = await self._identify(self._link)
         except LinkLostError as error:
@@ -210,7 +212,6 @@ class Board:
         while True:
             message = await link.receive()
             if isinstance(message, Banner):
-                self._was_reset(message.cause)
                 raise ResetNoticed
             if message.sequence != sequence:
                 continue  # a late answer to a line that was given up, or answered twice
@@ -221,22 +222,6 @@ class Board:
             if message.status is not None:
                 self.status = message.status
             return message
-
-    async def listen(self, timeout_s: float) -> None:
-        """Wait for that long (wall time), or until the board tells of a reset.
-
-        Raises:
-            BoardLostError: the port has gone.
-        """
-        with suppress(TimeoutError, ResetNoticed):
-            async with asyncio.timeout(timeout_s):
-                if self._link is None:
-                    await asyncio.sleep(timeout_s)
-                    return
-                try:
-                    await self.reply_to(self._link, -1)
-                except LinkLostError as error:
-                    raise self.lost(str(error)) from error
 
     async def _ask(self, command: Command, argument: int | None) -> Reply:
         link = await self.session()

@@ -13,7 +13,7 @@ from serial.tools import list_ports
 from cellctl.cli.options import JsonOption
 from cellctl.errors import UsageError
 
-_NAMES = ("conveyor",)
+_NAMES = ("conveyor", "gripper")
 
 
 def register(app: typer.Typer) -> None:

@@ -1,10 +1,7 @@
-"""The doctor's look at the daemon and the devices. It asks; it never moves or sets anything."""
+"""The doctor's look at the daemon and the robot. It asks; it never moves or sets anything."""
 
 from __future__ import annotations
 
-import asyncio
-import os
-import stat
 from contextlib import closing
 from pathlib import Path
 
@@ -14,14 +11,11 @@ from cellctl.assembling.arm_rtde import TOOL_VOLTAGE, read_integer
 from cellctl.cli.commissioning import CommissionRecord
 from cellctl.cli.findings import Finding, ok, problem, warning
 from cellctl.client import CellClient, NoDaemonError
-from cellctl.clock import SystemClock
 from cellctl.config import CellConfig
-from cellctl.errors import CATALOGUE, CellctlError, CellFault
-from cellctl.feeding.conveyor import Conveyor
+from cellctl.errors import CellctlError, CellFault
 from cellctl.messages import Snapshot
 
 _BUS_TIMEOUT_S = 1.5
-_BOARD_TIMEOUT_S = 10.0
 
 
 def daemon(config: CellConfig, key: Path | None = None) -> tuple[list[Finding], Snapshot | None]:
@@ -67,50 +61,6 @@ def robot(config: CellConfig, record: CommissionRecord | None) -> list[Finding]:
         advice = "Switch the arm on and release its brakes, on the pendant."
         found.append(warning("robot", f"the arm is not ready: {mode}", advice))
     return [*found, *_tool_voltage(config)]
-
-
-def conveyor(config: CellConfig, daemon: Snapshot | None) -> list[Finding]:
-    """Whether the conveyor's board is there; only where no daemon holds it, it is asked."""
-    port = Path(config.feeder.port)
-    try:
-        mode = port.stat().st_mode
-    except OSError as error:
-        advice = "Check its USB cable and power, or correct feeder.port."
-        if config.emulation is not None:
-            advice = "Start the emulated cell with `cellctl sim`, or correct feeder.port."
-        return [problem("conveyor", f"{port}: {error.strerror}", advice)]
-    if not stat.S_ISCHR(mode):
-        return [problem("conveyor", f"{port} is no serial port", "Correct feeder.port.")]
-    found = []
-    if not os.access(port, os.R_OK | os.W_OK):
-        group = "Add this user to the group that owns it, mostly dialout."
-        text = f"{port} may not be read and written by this user"
-        found.append((problem if daemon is None else warning)("conveyor", text, group))
-    if daemon is not None:
-        if daemon.conveyor.connected:
-            return [*found, ok("conveyor", f"{port}: the daemon is connected to its board")]
-        text = f"{port}: the daemon is not connected to its board"
-        return [*found, problem("conveyor", text, CATALOGUE["belt_lost"].remedy)]
-    return found or [asyncio.run(_identify_board(config))]
-
-
-async def _identify_board(config: CellConfig) -> Finding:
-    board = Conveyor(config.feeder, config.voxel.pitch_m, SystemClock())
-    try:
-        async with asyncio.timeout(_BOARD_TIMEOUT_S):
-            identity = await board.connect()
-    except CellFault as fault:
-        return problem("conveyor", fault.message, fault.entry.remedy)
-    except TimeoutError:
-        text = f"{config.feeder.port}: no answer within {_BOARD_TIMEOUT_S:.0f} s"
-        return problem("conveyor", text, CATALOGUE["belt_lost"].remedy)
-    finally:
-        await board.close()
-    return ok(
-        "conveyor",
-        f"{config.feeder.port}: {identity.role} {identity.serial_number}, "
-        f"firmware {identity.firmware_version}, protocol {identity.protocol_version}",
-    )
 
 
 def _identity(

@@ -10,7 +10,7 @@ from cellctl.assembly import Role
 from cellctl.cli.following import follower
 from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, client
 from cellctl.errors import CellctlError
-from cellctl.messages import Snapshot
+from cellctl.messages import BoardData, Snapshot
 
 _SILENCE_S = 15.0
 
@@ -47,6 +47,14 @@ def register(app: typer.Typer) -> None:
         raise CellctlError("The daemon has fallen silent.", "Look at its log.")
 
 
+def board_line(board: BoardData) -> str:
+    """Who a board is, on one line."""
+    return (
+        f"{board.port}: serial number {board.serial_number}, firmware {board.firmware_version}, "
+        f"protocol {board.protocol_version}"
+    )
+
+
 def _show(console: Console, snapshot: Snapshot) -> None:
     table = Table.grid(padding=(0, 2))
     table.add_row("[bold]cell[/]", f"{snapshot.cell} ({snapshot.kind}), cellctl {snapshot.version}")
@@ -66,7 +74,15 @@ def _show(console: Console, snapshot: Snapshot) -> None:
     table.add_row("[bold]parts[/]", held)
     arm = f"{snapshot.arm.safety}, {'moving' if snapshot.arm.moving else 'at rest'}"
     table.add_row("[bold]robot[/]", arm if snapshot.arm.connected else "not connected")
-    table.add_row("[bold]gripper[/]", f"holds {snapshot.gripper.holding}")
+    gripper, belt = snapshot.gripper, snapshot.conveyor
+    table.add_row("[bold]gripper[/]", f"holds {gripper.holding}")
+    if gripper.board is not None:
+        table.add_row("", board_line(gripper.board))
+    if gripper.notice is not None:
+        table.add_row("", f"{gripper.notice.title} {gripper.notice.remedy}")
+    table.add_row("[bold]belt[/]", belt.activity if belt.connected else "not connected")
+    if belt.board is not None:
+        table.add_row("", board_line(belt.board))
     ears = f"{snapshot.ears.state} {snapshot.ears.device}".strip()
     table.add_row("[bold]ears[/]", f"{ears}; recogniser: {snapshot.recogniser}")
     if snapshot.ears.sentence:

@@ -13,6 +13,7 @@ import structlog
 
 from cellctl.assembly import Cell as CellIndex
 from cellctl.assembly import Role, Utterance
+from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control import sentences
@@ -20,14 +21,15 @@ from cellctl.control.acts import ActKind, JobFiles
 from cellctl.control.building import Builder
 from cellctl.control.controller import Controller, Post
 from cellctl.control.devices import Devices
+from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.hand import HandMoves
-from cellctl.control.job import Job, Phase
+from cellctl.control.job import Grip, Job, Phase
 from cellctl.control.journal import Journal
 from cellctl.control.states import Event, top_of
 from cellctl.control.wishes import Wishes
 from cellctl.errors import CellctlError, CellFault, ExitStatus, RefusedError
 from cellctl.feeding.inventory import Counts, Move
-from cellctl.messages import GripperData, Outcome, PartData, PartPlace, StateData, StatusData
+from cellctl.messages import Outcome, PartData, PartPlace, StateData, StatusData
 
 log = structlog.get_logger(__name__)
 
@@ -106,6 +108,11 @@ class Cell:
             "hold": self._hold,
             "recover": self._recover,
         }
+
+    @property
+    def gripper_board(self) -> GripperWatch:
+        """The board of the gripper, beside its lines."""
+        return self._devices.gripper_board
 
     @property
     def active_job(self) -> Job | None:
@@ -203,6 +210,25 @@ class Cell:
         if self.builder.doubt is not None:
             await self.recover_part(self.builder.doubt.believed)
 
+    async def gripper_was_reset(self, cause: ResetCause | None) -> None:
+        """The gripper's board was reset, and has kept its latch where it was: with a part in it the
+        cell stops and asks, unless a latch was confirmed since.
+
+        While the cell is at rest, ``resume`` asks by itself.
+        """
+        self._devices.hands.forget_opening()
+        busy = top_of(self.controller.state) in {"feeding", "assembling"}
+        if not busy or self.builder.grip is not Grip.PART or self.builder.doubt is not None:
+            return
+        if await self._devices.hands.proves_latched():
+            return
+        job, told = self.active_job, f" ({cause.value})" if cause is not None else ""
+        part = f"Part {job.step.index + 1}" if job is not None and job.step else "The part"
+        self.builder.doubt_held(
+            f"{part} should be in the gripper, whose board was reset{told}", believed="gripper"
+        )
+        self.controller.post_fault(CellFault("gripper_reset", f"{part} is in it, as it seems."))
+
     def _stood_anew(self) -> None:
         """What stands has changed by a person's word."""
         if self.job is not None and self.job.finished_s is None:
@@ -265,7 +291,7 @@ class Cell:
         self._publish(self.last_state, after)
         if job is not None:
             self._publish(job.view(), after)
-        self._publish(GripperData(holding=self.builder.grip.value), after)
+        self._publish(self._devices.gripper_board.view(self.builder.grip.value), after)
 
     def _follow(self, job: Job, event: Event, after: str) -> None:
         if event is Event.PAUSE and top_of(after) == "assembling":

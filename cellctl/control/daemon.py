@@ -6,6 +6,7 @@ import asyncio
 import signal
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 import structlog
@@ -13,7 +14,9 @@ import structlog
 from cellctl import __version__
 from cellctl.assembling.arm import Arm
 from cellctl.assembling.arm_process import RemoteArm
+from cellctl.assembling.gripper_board import GripperBoard
 from cellctl.assembling.latch_gripper import LatchGripper
+from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
 from cellctl.control.building import Builder
@@ -22,6 +25,7 @@ from cellctl.control.cell import Cell
 from cellctl.control.designing import warm_up
 from cellctl.control.devices import Devices
 from cellctl.control.ears import LiveEars
+from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.health import LoopMonitor
 from cellctl.control.journal_store import SqliteJournal
 from cellctl.control.monitor import ArmMonitor, arm_view
@@ -64,14 +68,21 @@ class Daemon:
             Counts.at_first(config.limits.inventory_parts, config.feeder.capacity_parts),
             config_sha256=config.sha256,
         )
-        hands = ArmAndLatch(config, self.clock, self.arm, LatchGripper(self.arm, config))
+        gripper_board = GripperWatch(
+            partial(GripperBoard, config.gripper) if config.gripper.port is not None else None,
+            lambda: self._publish(self._gripper_view()),
+            self._gripper_was_reset,
+        )
+        latch = LatchGripper(self.arm, config, gripper_board.board)
+        hands = ArmAndLatch(config, self.clock, self.arm, latch)
         belt = BeltService(
             Conveyor(config.feeder, config.voxel.pitch_m, self.clock),
             config.feeder.retries,
             lambda: self.journal.ledger.counts.belt,
             self._publish,
+            reconnect_timeout_s=config.feeder.reconnect_timeout_s,
         )
-        self.devices = Devices(self.arm, hands, belt, self.hearing, self.designer)
+        self.devices = Devices(self.arm, hands, belt, gripper_board, self.hearing, self.designer)
         self.builder = Builder(config, self.clock, hands=hands, belt=belt, journal=self.journal)
         self.cell = Cell(
             config,
@@ -106,7 +117,7 @@ class Daemon:
             doubt=self.builder.doubt.sentence if self.builder.doubt is not None else "",
             arm=arm_view(self.arm.state()),
             conveyor=self.devices.belt.view(),
-            gripper=GripperData(holding=self.builder.grip.value),
+            gripper=self._gripper_view(),
             fault=latched.view() if latched is not None else FaultData(),
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.wishes.recogniser,
@@ -115,6 +126,12 @@ class Daemon:
 
     def _state(self) -> str:
         return self.cell.controller.state
+
+    async def _gripper_was_reset(self, cause: ResetCause | None) -> None:
+        await self.cell.gripper_was_reset(cause)
+
+    def _gripper_view(self) -> GripperData:
+        return self.devices.gripper_board.view(self.builder.grip.value)
 
     def _condition(self) -> Condition:
         state = self._state()
@@ -222,6 +239,8 @@ class Daemon:
                 ("heartbeat", self._heartbeat()),
                 ("loop monitor", self.loop_monitor.run()),
                 ("arm monitor", monitor.run()),
+                ("belt watch", self.devices.belt.watch(lambda: self.cell.started)),
+                ("gripper watch", self.devices.gripper_board.run()),
                 ("live ears", self.ears.run(self.desk.take)),
                 ("warm-up", self._warm_up()),
                 ("pruning", self._prune()),
@@ -237,6 +256,7 @@ class Daemon:
         for name, close in (
             ("arm", self.arm.close()),
             ("belt", self.devices.belt.close()),
+            ("gripper board", self.devices.gripper_board.close()),
             ("recogniser", self.hearing.close()),
             ("planner", self.designer.close()),
             ("journal", self.journal.close()),

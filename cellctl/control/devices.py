@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import structlog
 
 from cellctl.assembling.arm import Arm
+from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.moving import ArmAndLatch
 from cellctl.errors import CellFault
 from cellctl.feeding.service import BeltService
@@ -27,14 +28,16 @@ class Devices:
     arm: Arm
     hands: ArmAndLatch
     belt: BeltService
+    gripper_board: GripperWatch
     hearing: Hearing
     designer: WorkerProcess
 
     async def connect(self) -> None:
-        """Connect with the robot and the belt at the same time; safe to repeat.
+        """Connect with the robot and the belt at the same time, then see who is on the gripper's
+        port; safe to repeat.
 
         Raises:
-            CellFault: of either.
+            CellFault: of any of them.
         """
         identity, belt = await asyncio.gather(
             self.arm.connect(), self.belt.connect(), return_exceptions=True
@@ -42,16 +45,19 @@ class Devices:
         for result in (identity, belt):
             if isinstance(result, BaseException):
                 raise result
+        await self.gripper_board.verify()
         log.info("robot connected", identity=str(identity))
 
     async def verify(self) -> None:
         """Read back that the robot and the belt are what the plan is for.
 
         Raises:
-            CellFault: ``robot_mismatch``, ``belt_mismatch`` or of a device that does not answer.
+            CellFault: ``robot_mismatch``, ``belt_mismatch``, ``gripper_mismatch`` or of a device
+                that does not answer.
         """
         check = await self.arm.verify()
         await self.belt.connect()
+        await self.gripper_board.verify()
         log.info("checked before motion", check=str(check))
 
     async def halt(self) -> None:
@@ -80,3 +86,4 @@ class Devices:
         await self.arm.recover()
         await self.hands.adopt_line()
         await self.belt.recover()
+        await self.gripper_board.verify()

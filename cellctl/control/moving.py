@@ -152,6 +152,10 @@ class ArmAndLatch:
         """Confirmed open, and still told to be: a stop of the robot may have dropped its output."""
         return self._opened and self.is_told_open()
 
+    def forget_opening(self) -> None:
+        """The gripper has started anew: what it confirmed before counts no longer."""
+        self._opened = False
+
     async def adopt_line(self) -> None:
         """Order the latch what it is told already: what a person switched on the pendant before a
         reset was meant. Moves nothing.
@@ -160,6 +164,15 @@ class ArmAndLatch:
             CellFault: of the arm.
         """
         await self.arm.set_output(self._config.gripper.command_output, self.is_told_open())
+
+    async def proves_latched(self) -> bool:
+        """Whether the status line confirms a closed latch now, and for longer than it toggles."""
+        waited_from_s = self._clock.now_s()
+        while self.latched():
+            if self._clock.now_s() - waited_from_s > STEADY_S:
+                return True
+            await self._clock.sleep(_POLL_S)
+        return False
 
     async def stays_latched(self) -> bool:
         """Whether the status line confirms a closed latch for longer than it toggles.

@@ -13,7 +13,7 @@ from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
 from cellctl.control.ears import LiveEars
-from cellctl.control.states import Event
+from cellctl.control.states import Event, top_of
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
@@ -24,6 +24,7 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
+    GripperCommand,
     HandCommand,
     HearCommand,
     ListenCommand,
@@ -169,6 +170,8 @@ class RequestDesk:
                 return await self._word(body.command, role)
             case HandCommand():
                 return await self._hand(body)
+            case GripperCommand():
+                return await self._gripper(body)
             case SnapshotCommand():
                 return ""
             case _:
@@ -214,6 +217,16 @@ class RequestDesk:
             raise RefusedError(
                 "It still moves, and is no longer waited for.", "`cellctl stop` ends it."
             ) from None
+
+    async def _gripper(self, said: GripperCommand) -> str:
+        """Ask the gripper's board; nothing of it is changed while a job moves."""
+        state = self._cell.controller.state
+        at_rest = top_of(state) in {"idle", "fault"} or state == "paused_resting"
+        if said.do != "show" and not at_rest:
+            raise RefusedError(
+                "Something moves, or is about to.", "Pause first; `cellctl gripper show` may ask."
+            )
+        return await self._cell.gripper_board.take(said)
 
     def _why_no_hand(self, command: HandCommand) -> Callable[[], str]:
         def why_not() -> str:

@@ -11,6 +11,7 @@ class BeltIdentity(Value):
     """What the conveyor's board says it is."""
 
     role: str
+    port: str
     serial_number: str
     protocol_version: int
     firmware_version: str

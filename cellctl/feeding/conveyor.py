@@ -76,7 +76,7 @@ class Conveyor:
 
     async def connect(self) -> BeltIdentity:
         async with self._exchange():
-            return _identity(await self._board.connect())
+            return _identity(await self._board.connect(), self._settings.port)
 
     async def state(self) -> BeltState:
         if self._index is not None and self._board.status is not None:
@@ -178,9 +178,10 @@ class Conveyor:
         return None
 
 
-def _identity(found: Identity) -> BeltIdentity:
+def _identity(found: Identity, port: str) -> BeltIdentity:
     return BeltIdentity(
         role=found.role,
+        port=port,
         serial_number=found.serial_number,
         protocol_version=found.protocol_version,
         firmware_version=found.firmware_version,

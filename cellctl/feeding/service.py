@@ -8,17 +8,26 @@ the inventory decides, for the board can only tell that nothing came.
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from enum import StrEnum
+from typing import Final
 
 import structlog
 
 from cellctl.errors import CellFault
 from cellctl.feeding.belt import Belt, BeltIdentity, BeltState
-from cellctl.messages import ConveyorData
+from cellctl.messages import BoardData, ConveyorData
 
 log = structlog.get_logger(__name__)
+
+_LOOK_EVERY_S: Final = 2.0
+"""How often an idle board is asked (wall time)."""
+_RECONNECT_EVERY_S: Final = 0.1
+"""How often a lost one is looked for while a part is waited for (wall time)."""
+_RECONNECTIONS: Final = 3
+"""How often it may get lost while it brings one part."""
 
 
 class BeltActivity(StrEnum):
@@ -44,6 +53,8 @@ class BeltService:
         parts_on_belt: how many parts the inventory counts there: tells an empty belt from a jammed
             one.
         on_change: called in the event loop with the new view whenever it changes.
+        reconnect_timeout_s: how long a board that is lost while it should bring a part is looked
+            for (wall time).
     """
 
     def __init__(
@@ -52,15 +63,19 @@ class BeltService:
         retries: int,
         parts_on_belt: Callable[[], int],
         on_change: Callable[[ConveyorData], None],
+        *,
+        reconnect_timeout_s: float = 0.0,
     ) -> None:
         self._belt = belt
         self._retries = retries
         self._parts_on_belt = parts_on_belt
         self._on_change = on_change
+        self._reconnect_timeout_s = reconnect_timeout_s
         self._bringing: asyncio.Task[None] | None = None
         """The newest request; done when the part lies there or could not be brought."""
         self._near = asyncio.Event()
         """The newest request has gone past indexing."""
+        self._board: BoardData | None = None
         self._view = ConveyorData(connected=False, activity=BeltActivity.IDLE)
 
     @property
@@ -83,6 +98,12 @@ class BeltService:
         except CellFault as fault:
             self._show_fault(fault)
             raise
+        self._board = BoardData(
+            port=identity.port,
+            serial_number=identity.serial_number,
+            protocol_version=identity.protocol_version,
+            firmware_version=identity.firmware_version,
+        )
         self._show(BeltActivity.IDLE)
         await self.state()
         return identity
@@ -161,6 +182,23 @@ class BeltService:
         await self._drop_request()
         await self.connect()
 
+    async def watch(self, begun: Callable[[], bool]) -> None:
+        """Look after the board while nothing is asked of it, until cancelled: a board that is lost
+        is shown, and found again by itself. It is no fault before somebody needs it.
+
+        Args:
+            begun: whether the board was connected in earnest.
+        """
+        while True:
+            await asyncio.sleep(_LOOK_EVERY_S)
+            if not begun() or (self._bringing is not None and not self._bringing.done()):
+                continue
+            lost = not self._view.connected
+            with suppress(CellFault):
+                await (self.connect() if lost else self.state())
+                if lost:
+                    log.info("the conveyor's board is back")
+
     async def close(self) -> None:
         """End the request under way and let go of the port; safe to repeat."""
         await self._drop_request()
@@ -168,7 +206,8 @@ class BeltService:
         self._show(BeltActivity.IDLE, connected=False)
 
     async def _bring(self) -> None:
-        for retry in range(self._retries + 1):
+        retries, reconnections = self._retries, _RECONNECTIONS
+        while True:
             try:
                 await self._bring_once()
             except CellFault as raised:
@@ -181,10 +220,28 @@ class BeltService:
                 return
             if fault.code in {"belt_empty", "belt_mismatch"}:
                 break
-            if retry < self._retries:
-                log.warning("bringing a part failed, trying again", reason=str(fault))
+            if fault.code == "belt_lost" and reconnections > 0 and await self._found_again():
+                reconnections -= 1
+            elif retries > 0 and fault.code != "belt_lost":
+                retries -= 1
+            else:
+                break
+            log.warning("bringing a part failed, trying again", reason=str(fault))
         self._show_fault(fault)
         raise fault
+
+    async def _found_again(self) -> bool:
+        """Whether a board that was lost answers again within the time for it."""
+        deadline_s = time.monotonic() + self._reconnect_timeout_s
+        while True:
+            try:
+                await self._belt.connect()
+            except CellFault as fault:
+                if fault.code != "belt_lost" or time.monotonic() >= deadline_s:
+                    return False
+                await asyncio.sleep(_RECONNECT_EVERY_S)
+            else:
+                return True
 
     async def _bring_once(self) -> None:
         await self._belt.present()
@@ -217,6 +274,7 @@ class BeltService:
             connected=connected,
             activity=activity,
             part_present=self._view.part_present if part_present is None else part_present,
+            board=self._board,
         )
         if view != self._view:
             self._view = view

@@ -328,7 +328,10 @@ _GRIPPER_BOARD = (
         Device.GRIPPER_BOARD,
         "reset",
         "The gripper's board starts anew: the latch stays where it is, unconfirmed.",
-        (Parameter("cause", str, "the cause that its banner tells", "watchdog"),),
+        (
+            Parameter("cause", str, "the cause that its banner tells", "watchdog"),
+            Parameter("when", str, "now, or once the latch is opening or closing", "now"),
+        ),
         once=True,
         remedy="Unlatch and latch again.",
     ),

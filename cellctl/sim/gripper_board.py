@@ -6,7 +6,7 @@ The latch itself is ``latch.Latch``, which the robot's lines command; no line on
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from cellctl.assembly import Value
 from cellctl.boards.constants import (
@@ -54,6 +54,8 @@ class Reset(Value):
     """The board starts anew, once; the latch stays where it is, unconfirmed."""
 
     cause: ResetCause = ResetCause.WATCHDOG
+    when: Literal["now", "opening", "closing"] = "now"
+    """It waits until the latch does so."""
 
 
 class StoreDamaged(Value):
@@ -79,7 +81,7 @@ class GripperBoardEmulator(BoardEmulator):
         assert config.emulation is not None, "an emulated cell has an [emulation] table"
         assert config.gripper.port is not None, "without a port there is no board to talk to"
         self._latch = latch
-        self._kept: dict[Register, int] | None = None
+        self._kept: dict[Register, int] | None = dict(_DEFAULTS)
         """The calibration in the EEPROM; None: there is none, or it is damaged."""
         self._causes: dict[ResetCause, int] = {}
         super().__init__(
@@ -93,6 +95,11 @@ class GripperBoardEmulator(BoardEmulator):
 
     def advance(self, dt_s: float) -> None:
         """Hear what has arrived. Never waits."""
+        pending = self._faults.get(Reset)
+        doing = "opening" if self._latch.told_open else "closing"
+        if pending is not None and self._latch.moving and pending.when == doing:
+            self._faults.end(Reset)
+            self.reset(pending.cause)
         self._cable.advance(dt_s)
         self._receive()
 
@@ -117,7 +124,7 @@ class GripperBoardEmulator(BoardEmulator):
 
     def _struck(self, fault: Value) -> None:
         match fault:
-            case Reset(cause=cause):
+            case Reset(cause=cause, when="now"):
                 self._faults.end(Reset)
                 self.reset(cause)
             case StoreDamaged():

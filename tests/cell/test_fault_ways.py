@@ -51,6 +51,30 @@ def hold_unconfirmed(cell: RunningCell) -> None:
     assert cell.client.snapshot().gripper.holding == "latching"
 
 
+@pytest.mark.parametrize("swapped", ["gripper_board_role", "gripper_board_protocol"])
+def test_another_board_is_on_the_grippers_port(idle: RunningCell, swapped: str) -> None:
+    idle.world.inject(swapped)
+    idle.world.inject("gripper_board_reset")
+    begin(idle, nz=1)
+    expect_fault(idle, "gripper_mismatch")
+    idle.world.clear(swapped)
+    reset_and_resume(idle)
+    finish_as_planned(idle)
+
+
+def test_the_grippers_board_is_reset_with_a_part_in_it(idle: RunningCell) -> None:
+    begin(idle, 2, 1, 1)
+    idle.wait_mid_place()
+    idle.world.inject("gripper_board_reset")
+    expect_fault(idle, "gripper_reset")
+    snapshot = idle.client.snapshot()
+    assert "Part 1 should be in the gripper, whose board was reset (watchdog)" in snapshot.doubt
+    assert snapshot.gripper.holding == "part"
+    assert idle.truth().latch["latched"], "the voxel is kept"
+    reset_and_resume(idle)  # a person has looked: it is there
+    finish_as_planned(idle)
+
+
 def test_nobody_refills_the_belt(idle: RunningCell) -> None:
     begin(idle, 5, 1, 1)
     idle.wait_state("feeding_refilling")
@@ -61,7 +85,7 @@ def test_nobody_refills_the_belt(idle: RunningCell) -> None:
     finish_as_planned(idle)
 
 
-@pytest.mark.parametrize("swapped", ["board_role", "board_protocol"])
+@pytest.mark.parametrize("swapped", ["board_role", "board_protocol", "board_firmware"])
 def test_another_board_is_on_the_conveyors_port(idle: RunningCell, swapped: str) -> None:
     idle.world.inject(swapped)
     begin(idle, nz=1)

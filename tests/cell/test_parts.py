@@ -286,8 +286,9 @@ def test_a_latch_that_ceases_to_confirm_on_the_way_does_not_count_a_part_as_plac
 ) -> None:
     begin(idle, 2, 1, 1)
     idle.wait_mid_place()
-    idle.world.inject("gripper_reboot")
+    idle.world.inject("gripper_silent")
     expect_fault(idle, "gripper_silent")
+    idle.world.clear("gripper_silent")
     idle.client.command("reset")
     snapshot = idle.wait_state("paused_resting")
     assert snapshot.doubt

@@ -64,7 +64,9 @@ def test_the_doctor_leaves_a_running_cell_alone(cell: RunningCell, file: Path) -
     after = cell.wait("the arm's pose", lambda now: now.arm.connected)
     assert status == 0, found
     assert "runs, state idle" in found["daemon"].found
-    assert "the daemon is connected" in found["conveyor"].found
+    for board in ("conveyor", "gripper"):
+        assert f"the daemon's {board} 1E9" in found[board].found
+        assert "firmware 2.0.0, protocol 2" in found[board].found
     assert "20225500001, software 5.12.6" in cellctl("doctor", config=file).stdout
     assert found["journal"].level == "ok"
     assert "whisper" in found["model"].found or "vosk" in found["model"].found
@@ -227,7 +229,8 @@ def test_without_a_daemon_the_doctor_asks_the_board_itself(
         status, found = examined(path)
         truth = world.truth()
     assert status == 0, found
-    assert "firmware" in found["conveyor"].found
-    assert "conveyor" in found["conveyor"].found
+    for board in ("conveyor", "gripper"):
+        assert f"a {board} 1E9" in found[board].found
+        assert "firmware 2.0.0, protocol 2" in found[board].found
     assert truth.robot["tcp_offset"] == [0.0] * 6
     assert truth.conveyor["indexes"] == 0

@@ -218,6 +218,20 @@ def test_a_reset_in_mid_index_is_noticed_and_the_part_still_comes(banner_arrives
     asyncio.run(scenario())
 
 
+def test_another_serial_number_than_the_one_asked_for_is_refused() -> None:
+    async def scenario() -> None:
+        async with bench(serial_number="1E9522FF") as cell:
+            with pytest.raises(
+                CellFault, match=r"feeder\.serial_number asks for 1E9522FF"
+            ) as caught:
+                await cell.conveyor.connect()
+            assert caught.value.code == "belt_mismatch"
+        async with bench(serial_number=SERIAL_NUMBER) as cell:
+            await cell.conveyor.connect()
+
+    asyncio.run(scenario())
+
+
 def test_a_reset_while_idle_is_noticed() -> None:
     async def scenario() -> None:
         async with bench() as cell:
@@ -232,8 +246,10 @@ def test_a_reset_while_idle_is_noticed() -> None:
 @pytest.mark.parametrize(
     ("fault", "arguments", "said"),
     [
-        ("wrong_role", {"role": "gripper"}, "says it is a gripper"),
-        ("wrong_protocol", {"version": 9}, "speaks protocol version 9"),
+        ("wrong_role", {"role": "gripper"}, "feeder.port and gripper.port are swapped"),
+        ("wrong_role", {"role": "kettle"}, "says it is a kettle.*correct feeder.port"),
+        ("wrong_protocol", {"version": 9}, "speaks protocol version 9.*make flash-conveyor"),
+        ("old_firmware", {"version": "1.9.9"}, "runs firmware 1.9.9.*make flash-conveyor"),
     ],
 )
 def test_another_board_on_the_port_is_refused(

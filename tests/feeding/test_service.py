@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from cellctl.boards.constants import FIRMWARE_VERSION, BoardRole
 from cellctl.errors import CellFault
 from cellctl.feeding.inventory import Counts, Move
 from cellctl.feeding.service import BeltActivity, BeltService
@@ -36,10 +37,18 @@ class Served:
 
 
 @asynccontextmanager
-async def served(parts: int = 3, retries: int = 1, **feeder: Any) -> AsyncIterator[Served]:
+async def served(
+    parts: int = 3, retries: int = 1, reconnect_timeout_s: float = 0.0, **feeder: Any
+) -> AsyncIterator[Served]:
     async with bench(parts=parts, **feeder) as cell:
         views: list[ConveyorData] = []
-        service = BeltService(cell.conveyor, retries, lambda: own.counts.belt, views.append)
+        service = BeltService(
+            cell.conveyor,
+            retries,
+            lambda: own.counts.belt,
+            views.append,
+            reconnect_timeout_s=reconnect_timeout_s,
+        )
         own = Served(cell, service, Counts(belt=parts), views)
         try:
             yield own
@@ -164,7 +173,10 @@ def test_a_lost_board_is_shown_and_recovered_once_it_answers() -> None:
                 await cell.service.recover()
             cell.bench.emulator.clear("unplugged")
             await cell.service.recover()
-            assert cell.service.view() == ConveyorData(connected=True, activity=BeltActivity.IDLE)
+            view = cell.service.view()
+            assert (view.connected, view.activity) == (True, BeltActivity.IDLE)
+            assert view.board is not None
+            assert view.board.firmware_version == FIRMWARE_VERSION[BoardRole.CONVEYOR]
             cell.service.request_part()
             await cell.service.part_ready()
 
@@ -225,6 +237,39 @@ def test_close_in_mid_index_leaves_no_task_and_a_belt_that_stands() -> None:
             assert cell.bench.world.travel_m < 0.09
             assert not cell.service.view().connected
             await cell.service.close()
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.parametrize("trouble", ["unplugged", "silent"])
+def test_a_board_that_is_away_for_a_moment_brings_its_part_all_the_same(trouble: str) -> None:
+    async def scenario() -> None:
+        async with served(retries=0, reconnect_timeout_s=10.0, reply_timeout_s=0.1) as cell:
+            await cell.service.connect()
+            cell.service.request_part()
+            await cell.bench.indexing_at(0.04)
+            cell.bench.emulator.inject(trouble)
+            await cell.bench.at_rest()
+            cell.bench.emulator.clear(trouble)
+            await cell.service.part_ready()
+            assert cell.bench.world.travel_m == pytest.approx(PITCH_M, abs=0.002)
+            assert BeltActivity.FAULT not in cell.activities()
+
+    asyncio.run(scenario())
+
+
+def test_an_idle_board_that_is_lost_is_shown_and_found_again_by_itself() -> None:
+    async def scenario() -> None:
+        async with served(reply_timeout_s=0.1) as cell:
+            await cell.service.connect()
+            watching = asyncio.create_task(cell.service.watch(lambda: True), name="watch")
+            cell.bench.emulator.inject("unplugged")
+            await cell.bench.until(lambda: not cell.service.view().connected)
+            cell.bench.emulator.clear("unplugged")
+            await cell.bench.until(lambda: cell.service.view().connected)
+            assert cell.bench.conveyor.resets == 1  # noticed, though nobody heard the banner
+            watching.cancel()
+            await asyncio.gather(watching, return_exceptions=True)
 
     asyncio.run(scenario())
 

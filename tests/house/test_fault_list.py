@@ -20,6 +20,8 @@ PROVOKED: dict[str, tuple[str, str]] = {
     "belt_mismatch": (WAYS, "test_another_board_is_on_the_conveyors_port"),
     "gripper_silent": (FAULTS, "test_a_gripper_that_reports_nothing"),
     "gripper_fault": (FAULTS, "test_a_gripper_that_reports_a_fault"),
+    "gripper_reset": (WAYS, "test_the_grippers_board_is_reset_with_a_part_in_it"),
+    "gripper_mismatch": (WAYS, "test_another_board_is_on_the_grippers_port"),
     "pick_missed": (FAULTS, "test_a_part_that_lies_turned_is_missed_twice_and_then_a_fault"),
     "gripper_holds": (WAYS, "test_the_latch_holds_something_that_nobody_knows_of"),
     "arm_moved": (WAYS, "test_the_arm_is_moved_while_the_latch_is_not_confirmed"),
