@@ -6,6 +6,7 @@
 #include <avr/wdt.h>
 
 #include "hardware.h"
+#include "noinline.h"
 #include "pins.h"
 #include "session.h"
 
@@ -18,11 +19,17 @@ enum {
     PAINT = 0xC5,   /* what the stack has not touched */
 };
 
-FUSES = {
-    .WDTCFG = WDT_PERIOD_256CLK_gc,
+enum {
+    WATCHDOG_FUSE = WDT_PERIOD_256CLK_gc, /* on from the start, and locked by that */
     /* 2.6 V, always on: the servo's dips are ridden out, what 10 MHz cannot do is not. */
-    .BODCFG = FUSE_LVL1_bm | FUSE_ACTIVE0_bm | FUSE_SLEEP0_bm,
-    .OSCCFG = FUSE_FREQSEL1_bm, /* 20 MHz */
+    BROWNOUT_FUSE = FUSE_LVL1_bm | FUSE_ACTIVE0_bm | FUSE_SLEEP0_bm,
+    OSCILLATOR_FUSE = FUSE_FREQSEL1_bm, /* 20 MHz */
+};
+
+FUSES = {
+    .WDTCFG = WATCHDOG_FUSE,
+    .BODCFG = BROWNOUT_FUSE,
+    .OSCCFG = OSCILLATOR_FUSE,
     /* No CRC scan, the first pin stays the programming pin, the EEPROM outlives a chip erase. */
     .SYSCFG0 = FUSE_CRCSRC_gm | FUSE_RSTPINCFG0_bm | FUSE_EESAVE_bm,
     .SYSCFG1 = FUSE_SUT_gm, /* 64 ms after power-on */
@@ -126,7 +133,7 @@ ISR(USART0_TXC_vect) {
     }
 }
 
-static bool has_byte(void) { return left_to_send == 0 && ring_in != ring_out; }
+static NOINLINE bool has_byte(void) { return left_to_send == 0 && ring_in != ring_out; }
 
 bool chip_take_byte(uint8_t *byte) {
     if (!has_byte()) {
@@ -137,7 +144,7 @@ bool chip_take_byte(uint8_t *byte) {
     return true;
 }
 
-void chip_send(const struct line *line) {
+NOINLINE void chip_send(const struct line *line) {
     to_send = line->text + 1;
     left_to_send = line->length;
     USART0.TXDATAL = (uint8_t)line->text[0];
@@ -157,15 +164,17 @@ void chip_sleep(void) {
 uint8_t hardware_serial_number(uint8_t index) { return (&SIGROW.SERNUM0)[index]; }
 
 bool hardware_fuses_right(void) {
-    return FUSE.WDTCFG == __fuse.WDTCFG;
+    return FUSE.WDTCFG == WATCHDOG_FUSE && FUSE.BODCFG == BROWNOUT_FUSE &&
+           FUSE.OSCCFG == OSCILLATOR_FUSE;
 }
 
-uint16_t hardware_stack_left(void) {
-    const uint8_t *byte = &_end;
-    while (byte <= (const uint8_t *)RAMEND && *byte == PAINT) {
-        byte++;
+NOINLINE uint16_t hardware_stack_left(void) {
+    /* The stack is not empty here, so the search ends. */
+    uint16_t left = 0;
+    while ((&_end)[left] == PAINT) {
+        left++;
     }
-    return (uint16_t)(byte - &_end);
+    return left;
 }
 
 uint8_t hardware_eeprom_read(uint8_t address) {

@@ -1,54 +1,45 @@
 #include "calibration.h"
 
+#include <stddef.h>
+
 #include "crc8.h"
-#include "protocol.h"
+#include "noinline.h"
 
-/*
- * The record: its layout's version, three numbers with the low byte first, a CRC over all of it.
- * A version that is neither 0x00 nor 0xFF keeps an erased EEPROM from being a record.
- */
-enum { RECORD_VERSION = 1 };
+/* Neither 0x00 nor 0xFF, so that an erased EEPROM holds no calibration. */
+enum { LAYOUT = 1 };
 
-const struct calibration calibration_default = {
-    .latch_pulse_us = PROTOCOL_LATCH_PULSE_US,
-    .unlatch_pulse_us = PROTOCOL_UNLATCH_PULSE_US,
-    .travel_ms = PROTOCOL_TRAVEL_MS,
+struct range {
+    uint16_t min;
+    uint16_t max;
+    uint16_t usual;
 };
 
-bool calibration_pulse_valid(uint16_t pulse_us) {
-    return pulse_us >= PROTOCOL_PULSE_MIN_US && pulse_us <= PROTOCOL_PULSE_MAX_US;
+static const struct range ranges[CALIBRATION_NUMBERS] = {
+    [LATCH_PULSE_US] = {PROTOCOL_PULSE_MIN_US, PROTOCOL_PULSE_MAX_US, PROTOCOL_LATCH_PULSE_US},
+    [UNLATCH_PULSE_US] = {PROTOCOL_PULSE_MIN_US, PROTOCOL_PULSE_MAX_US, PROTOCOL_UNLATCH_PULSE_US},
+    [TRAVEL_MS] = {PROTOCOL_TRAVEL_MIN_MS, PROTOCOL_TRAVEL_MAX_MS, PROTOCOL_TRAVEL_MS},
+};
+
+NOINLINE bool calibration_in_range(uint8_t number, uint16_t value) {
+    return value >= ranges[number].min && value <= ranges[number].max;
 }
 
-bool calibration_travel_valid(uint16_t travel_ms) {
-    return travel_ms >= PROTOCOL_TRAVEL_MIN_MS && travel_ms <= PROTOCOL_TRAVEL_MAX_MS;
+static uint8_t checksum(const struct calibration *calibration) {
+    return crc8(calibration, offsetof(struct calibration, check));
 }
 
-static void put(uint8_t *bytes, uint16_t value) {
-    bytes[0] = (uint8_t)value;
-    bytes[1] = (uint8_t)(value >> 8);
+void calibration_seal(struct calibration *calibration) {
+    calibration->layout = LAYOUT;
+    calibration->check = checksum(calibration);
 }
 
-static uint16_t get(const uint8_t *bytes) { return (uint16_t)(bytes[1] << 8 | bytes[0]); }
-
-void calibration_encode(const struct calibration *calibration, uint8_t record[RECORD_LENGTH]) {
-    record[0] = RECORD_VERSION;
-    put(record + 1, calibration->latch_pulse_us);
-    put(record + 3, calibration->unlatch_pulse_us);
-    put(record + 5, calibration->travel_ms);
-    record[RECORD_LENGTH - 1] = crc8(record, RECORD_LENGTH - 1);
-}
-
-bool calibration_decode(struct calibration *calibration, const uint8_t record[RECORD_LENGTH]) {
-    calibration->latch_pulse_us = get(record + 1);
-    calibration->unlatch_pulse_us = get(record + 3);
-    calibration->travel_ms = get(record + 5);
-    if (record[0] == RECORD_VERSION &&
-        record[RECORD_LENGTH - 1] == crc8(record, RECORD_LENGTH - 1) &&
-        calibration_pulse_valid(calibration->latch_pulse_us) &&
-        calibration_pulse_valid(calibration->unlatch_pulse_us) &&
-        calibration_travel_valid(calibration->travel_ms)) {
-        return true;
+bool calibration_recall(struct calibration *calibration) {
+    bool whole = calibration->layout == LAYOUT && calibration->check == checksum(calibration);
+    for (uint8_t number = 0; number < CALIBRATION_NUMBERS; number++) {
+        whole = whole && calibration_in_range(number, calibration->numbers[number]);
     }
-    *calibration = calibration_default;
-    return false;
+    for (uint8_t number = 0; !whole && number < CALIBRATION_NUMBERS; number++) {
+        calibration->numbers[number] = ranges[number].usual;
+    }
+    return whole;
 }

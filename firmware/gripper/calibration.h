@@ -1,26 +1,31 @@
-/* How far and how long the servo turns, and the record of it in the EEPROM. */
+/* How far and how long the servo turns, as it is kept in the EEPROM. */
 #pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
 
-struct calibration {
-    uint16_t latch_pulse_us;
-    uint16_t unlatch_pulse_us;
-    uint16_t travel_ms;
+#include "protocol.h"
+
+/* The numbers of a calibration, counted as the protocol's registers are. */
+enum {
+    LATCH_PULSE_US = PROTOCOL_REGISTER_LATCH_PULSE,
+    UNLATCH_PULSE_US = PROTOCOL_REGISTER_UNLATCH_PULSE,
+    TRAVEL_MS = PROTOCOL_REGISTER_TRAVEL,
+    CALIBRATION_NUMBERS,
 };
 
-enum { RECORD_LENGTH = 8 };
+/* Byte for byte what the EEPROM holds, from its first byte on; numbers have the low byte first. */
+struct calibration {
+    uint16_t numbers[CALIBRATION_NUMBERS];
+    uint8_t layout; /* version of this struct */
+    uint8_t check;  /* CRC over all before it */
+};
 
-/* What holds before any calibration. */
-extern const struct calibration calibration_default;
+/* Whether a number is one that a servo may be given. */
+bool calibration_in_range(uint8_t number, uint16_t value);
 
-/* Whether a pulse, or a time of travel, is one that a servo may be given. */
-bool calibration_pulse_valid(uint16_t pulse_us);
-bool calibration_travel_valid(uint16_t travel_ms);
+/* Make the check right, before the calibration is kept. */
+void calibration_seal(struct calibration *calibration);
 
-/* The byte of a record at an index. */
-void calibration_encode(const struct calibration *calibration, uint8_t record[RECORD_LENGTH]);
-
-/* Read a record; returns whether it is a whole one. If not, the calibration is the default. */
-bool calibration_decode(struct calibration *calibration, const uint8_t record[RECORD_LENGTH]);
+/* Whether this is a whole calibration. If not, it becomes the default. */
+bool calibration_recall(struct calibration *calibration);

@@ -1,6 +1,7 @@
 #include "gripper.h"
 
 #include "hardware.h"
+#include "noinline.h"
 
 enum {
     PART_SAMPLES = 10, /* the switch bounces for less, in ms */
@@ -10,53 +11,54 @@ enum {
     STACK_RESERVE = 16,   /* bytes */
 };
 
-/* Supply times reading of the 1.1 V reference. */
-static const uint32_t full_scale_mv = 1100UL * 1023;
-
 const struct identity gripper_identity = {.role = PROTOCOL_ROLE_GRIPPER, .firmware = PROTOCOL_FIRMWARE_GRIPPER};
 
 void gripper_start(struct gripper *gripper, struct survivors *survivors) {
     gripper->survivors = survivors;
     gripper->latch.cycles = survivors->cycles;
-    uint8_t record[RECORD_LENGTH];
-    for (uint8_t index = 0; index < RECORD_LENGTH; index++) {
-        record[index] = hardware_eeprom_read(index);
+    uint8_t *byte = (uint8_t *)&gripper->calibration;
+    for (uint8_t index = 0; index < sizeof gripper->calibration; index++) {
+        byte[index] = hardware_eeprom_read(index);
     }
-    gripper->record_good = calibration_decode(&gripper->calibration, record);
+    gripper->record_good = calibration_recall(&gripper->calibration);
 }
 
-/* Write the record byte by byte, each looked at before and after; wear and waiting stay small. */
+/* Write the calibration byte by byte, each looked at before and after: no wear, and no waiting. */
 static void store_tick(struct gripper *gripper) {
     if (gripper->store_left == 0 || !hardware_eeprom_ready()) {
         return;
     }
-    uint8_t record[RECORD_LENGTH];
-    calibration_encode(&gripper->calibration, record);
-    uint8_t index = (uint8_t)(RECORD_LENGTH - gripper->store_left);
-    if (hardware_eeprom_read(index) == record[index]) {
+    uint8_t index = (uint8_t)(sizeof gripper->calibration - gripper->store_left);
+    uint8_t wanted = ((const uint8_t *)&gripper->calibration)[index];
+    if (hardware_eeprom_read(index) == wanted) {
         gripper->store_left--;
         gripper->store_tried = false;
         gripper->record_good = gripper->store_left == 0;
     } else if (gripper->store_tried) {
         gripper->store_left = 0;
         gripper->store_tried = false;
+        gripper->record_good = false;
         gripper->latch.fault = PROTOCOL_FAULT_STORE;
     } else {
-        hardware_eeprom_write(index, record[index]);
+        hardware_eeprom_write(index, wanted);
         gripper->store_tried = true;
     }
 }
 
-static uint16_t supply_mv(const struct gripper *gripper) {
-    uint16_t reading = gripper->inputs.reference_reading;
-    return reading < 20 ? UINT16_MAX : (uint16_t)(full_scale_mv / reading);
+/* The supply is 1.1 V * 1023 / reading, here without a 32-bit division. */
+static NOINLINE uint16_t supply_mv(uint16_t reading) {
+    const uint16_t part = 1100L * 1023 / 32;
+    if (reading < 20) {
+        return UINT16_MAX; /* no supply gives that */
+    }
+    return (uint16_t)(part / reading * 32 + part % reading * 32 / reading);
 }
 
 void gripper_tick(struct gripper *gripper, const struct gripper_inputs *inputs) {
     gripper->inputs = *inputs;
     debounce_take(&gripper->part, inputs->part, PART_SAMPLES);
-    debounce_take(&gripper->supply_low, inputs->reference_reading > full_scale_mv / SUPPLY_MIN_MV,
-                  SUPPLY_SAMPLES);
+    bool low = inputs->reference_reading > 1100L * 1023 / SUPPLY_MIN_MV;
+    debounce_take(&gripper->supply_low, low, SUPPLY_SAMPLES);
     latch_tick(&gripper->latch, &gripper->calibration, inputs->command_high,
                gripper->supply_low.level);
     survivors_set_cycles(gripper->survivors, gripper->latch.cycles);
@@ -77,7 +79,7 @@ static uint8_t flags(const struct gripper *gripper) {
 }
 
 static uint8_t self_test(const struct gripper *gripper) {
-    uint16_t supply = supply_mv(gripper);
+    uint16_t supply = supply_mv(gripper->inputs.reference_reading);
     return bit(!gripper->record_good, PROTOCOL_TEST_RECORD) |
            bit(supply < SUPPLY_MIN_MV || supply > SUPPLY_MAX_MV, PROTOCOL_TEST_SUPPLY) |
            bit(!hardware_fuses_right(), PROTOCOL_TEST_FUSES) |
@@ -88,13 +90,10 @@ static uint8_t self_test(const struct gripper *gripper) {
 
 static uint16_t read_register(const struct gripper *gripper, uint8_t number,
                               uint16_t damaged_lines) {
+    if (number < CALIBRATION_NUMBERS) {
+        return gripper->calibration.numbers[number];
+    }
     switch (number) {
-    case PROTOCOL_REGISTER_LATCH_PULSE:
-        return gripper->calibration.latch_pulse_us;
-    case PROTOCOL_REGISTER_UNLATCH_PULSE:
-        return gripper->calibration.unlatch_pulse_us;
-    case PROTOCOL_REGISTER_TRAVEL:
-        return gripper->calibration.travel_ms;
     case PROTOCOL_REGISTER_CYCLES:
         return gripper->latch.cycles;
     case PROTOCOL_REGISTER_WATCHDOG_RESETS:
@@ -104,12 +103,17 @@ static uint16_t read_register(const struct gripper *gripper, uint8_t number,
     case PROTOCOL_REGISTER_DAMAGED_LINES:
         return damaged_lines;
     case PROTOCOL_REGISTER_SUPPLY:
-        return supply_mv(gripper);
+        return supply_mv(gripper->inputs.reference_reading);
     case PROTOCOL_REGISTER_FAULT:
         return gripper->latch.fault;
     default:
         return hardware_stack_left();
     }
+}
+
+static void reply_flags(const struct gripper *gripper, const struct command *command,
+                        const char *kind, uint16_t value, struct line *reply) {
+    reply_status(reply, command, kind, flags(gripper), value);
 }
 
 /* Begin to keep the calibration, once a command, or tell how that goes on. */
@@ -121,36 +125,30 @@ static void answer_keep(struct gripper *gripper, const struct command *command,
     }
     if (!gripper->keeping) {
         gripper->keeping = true;
-        gripper->store_left = RECORD_LENGTH;
+        calibration_seal(&gripper->calibration);
+        gripper->store_left = sizeof gripper->calibration;
     }
     if (gripper->latch.fault == PROTOCOL_FAULT_STORE) {
         reply_error(reply, command, PROTOCOL_ERROR_LATCHED);
     } else {
-        reply_status(reply, command, gripper->store_left > 0 ? PROTOCOL_REPLY_BUSY : PROTOCOL_REPLY_OK, flags(gripper),
-                     gripper->latch.cycles);
+        bool busy = gripper->store_left > 0;
+        reply_flags(gripper, command, busy ? PROTOCOL_REPLY_BUSY : PROTOCOL_REPLY_OK,
+                    gripper->latch.cycles, reply);
     }
 }
 
 /* Change one number of the calibration, for the next time the latch moves. */
-static void answer_calibrate(struct gripper *gripper, const struct command *command,
-                             struct line *reply) {
-    struct calibration *calibration = &gripper->calibration;
-    uint16_t *number = &calibration->travel_ms;
-    bool valid = calibration_travel_valid(command->argument);
-    if (command->letter != PROTOCOL_COMMAND_TRAVEL) {
-        number = command->letter == PROTOCOL_COMMAND_LATCH_PULSE ? &calibration->latch_pulse_us
-                                                        : &calibration->unlatch_pulse_us;
-        valid = calibration_pulse_valid(command->argument);
-    }
-    if (!command->has_argument || !valid) {
+static void answer_calibrate(struct gripper *gripper, uint8_t number,
+                             const struct command *command, struct line *reply) {
+    if (!command->has_argument || !calibration_in_range(number, command->argument)) {
         reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
     } else if (latch_moving(&gripper->latch)) {
         reply_error(reply, command, PROTOCOL_ERROR_MOVING);
     } else if (gripper->store_left > 0) {
-        reply_status(reply, command, PROTOCOL_REPLY_BUSY, flags(gripper), *number);
+        reply_flags(gripper, command, PROTOCOL_REPLY_BUSY, command->argument, reply);
     } else {
-        *number = command->argument;
-        reply_status(reply, command, PROTOCOL_REPLY_OK, flags(gripper), *number);
+        gripper->calibration.numbers[number] = command->argument;
+        reply_flags(gripper, command, PROTOCOL_REPLY_OK, command->argument, reply);
     }
 }
 
@@ -167,9 +165,13 @@ void gripper_answer(struct gripper *gripper, const struct command *command, uint
     bool wants_argument = false;
     switch (command->letter) {
     case PROTOCOL_COMMAND_LATCH_PULSE:
+        answer_calibrate(gripper, LATCH_PULSE_US, command, reply);
+        return;
     case PROTOCOL_COMMAND_UNLATCH_PULSE:
+        answer_calibrate(gripper, UNLATCH_PULSE_US, command, reply);
+        return;
     case PROTOCOL_COMMAND_TRAVEL:
-        answer_calibrate(gripper, command, reply);
+        answer_calibrate(gripper, TRAVEL_MS, command, reply);
         return;
     case PROTOCOL_COMMAND_READ:
         wants_argument = command->argument <= PROTOCOL_REGISTER_STACK_LEFT;
@@ -195,6 +197,6 @@ void gripper_answer(struct gripper *gripper, const struct command *command, uint
         if (command->letter == PROTOCOL_COMMAND_CLEAR) {
             gripper->latch.fault = PROTOCOL_FAULT_NONE;
         }
-        reply_status(reply, command, PROTOCOL_REPLY_OK, flags(gripper), value);
+        reply_flags(gripper, command, PROTOCOL_REPLY_OK, value, reply);
     }
 }

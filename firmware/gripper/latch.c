@@ -7,8 +7,8 @@ static void begin(struct latch *latch, const struct calibration *calibration) {
     latch->fault = PROTOCOL_FAULT_NONE;
     latch->confirmed = false;
     latch->pulse_us =
-        latch->command.level ? calibration->unlatch_pulse_us : calibration->latch_pulse_us;
-    latch->travel_left_ms = calibration->travel_ms;
+        calibration->numbers[latch->command.level ? UNLATCH_PULSE_US : LATCH_PULSE_US];
+    latch->travel_left_ms = calibration->numbers[TRAVEL_MS];
 }
 
 static void end(struct latch *latch) {
