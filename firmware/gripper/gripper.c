@@ -23,28 +23,6 @@ void gripper_start(struct gripper *gripper, struct survivors *survivors) {
     gripper->record_good = calibration_recall(&gripper->calibration);
 }
 
-/* Write the calibration byte by byte, each looked at before and after: no wear, and no waiting. */
-static void store_tick(struct gripper *gripper) {
-    if (gripper->store_left == 0 || !hardware_eeprom_ready()) {
-        return;
-    }
-    uint8_t index = (uint8_t)(sizeof gripper->calibration - gripper->store_left);
-    uint8_t wanted = ((const uint8_t *)&gripper->calibration)[index];
-    if (hardware_eeprom_read(index) == wanted) {
-        gripper->store_left--;
-        gripper->store_tried = false;
-        gripper->record_good = gripper->store_left == 0;
-    } else if (gripper->store_tried) {
-        gripper->store_left = 0;
-        gripper->store_tried = false;
-        gripper->record_good = false;
-        gripper->latch.fault = PROTOCOL_FAULT_STORE;
-    } else {
-        hardware_eeprom_write(index, wanted);
-        gripper->store_tried = true;
-    }
-}
-
 /* The supply is 1.1 V * 1023 / reading, here without a 32-bit division. */
 static NOINLINE uint16_t supply_mv(uint16_t reading) {
     const uint16_t part = 1100L * 1023 / 32;
@@ -62,7 +40,6 @@ void gripper_tick(struct gripper *gripper, const struct gripper_inputs *inputs) 
     latch_tick(&gripper->latch, &gripper->calibration, inputs->command_high,
                gripper->supply_low.level);
     survivors_set_cycles(gripper->survivors, gripper->latch.cycles);
-    store_tick(gripper);
 }
 
 /* A mask if the condition holds, and nothing otherwise. */
@@ -112,28 +89,34 @@ static uint16_t read_register(const struct gripper *gripper, uint8_t number,
 }
 
 static void reply_flags(const struct gripper *gripper, const struct command *command,
-                        const char *kind, uint16_t value, struct line *reply) {
-    reply_status(reply, command, kind, flags(gripper), value);
+                        uint16_t value, struct line *reply) {
+    reply_status(reply, command, PROTOCOL_REPLY_OK, flags(gripper), value);
 }
 
-/* Begin to keep the calibration, once a command, or tell how that goes on. */
-static void answer_keep(struct gripper *gripper, const struct command *command,
-                        struct line *reply) {
-    if (!gripper->keeping && latch_moving(&gripper->latch)) {
-        reply_error(reply, command, PROTOCOL_ERROR_MOVING);
-        return;
-    }
-    if (!gripper->keeping) {
-        gripper->keeping = true;
-        calibration_seal(&gripper->calibration);
-        gripper->store_left = sizeof gripper->calibration;
-    }
+/* Tell how keeping the calibration ended. */
+static void reply_kept(const struct gripper *gripper, const struct command *command,
+                       struct line *reply) {
     if (gripper->latch.fault == PROTOCOL_FAULT_STORE) {
         reply_error(reply, command, PROTOCOL_ERROR_LATCHED);
     } else {
-        bool busy = gripper->store_left > 0;
-        reply_flags(gripper, command, busy ? PROTOCOL_REPLY_BUSY : PROTOCOL_REPLY_OK,
-                    gripper->latch.cycles, reply);
+        reply_flags(gripper, command, gripper->latch.cycles, reply);
+    }
+}
+
+/* Begin to keep the calibration; the answer comes when that is done. A repetition begins nothing. */
+static void answer_keep(struct gripper *gripper, const struct command *command,
+                        struct line *reply) {
+    if (!gripper->keep_begun) {
+        if (latch_moving(&gripper->latch)) {
+            reply_error(reply, command, PROTOCOL_ERROR_MOVING);
+            return;
+        }
+        gripper->keep_begun = true;
+        calibration_seal(&gripper->calibration);
+        gripper->store_left = sizeof gripper->calibration;
+    }
+    if (gripper->store_left == 0) {
+        reply_kept(gripper, command, reply);
     }
 }
 
@@ -142,21 +125,51 @@ static void answer_calibrate(struct gripper *gripper, uint8_t number,
                              const struct command *command, struct line *reply) {
     if (!command->has_argument || !calibration_in_range(number, command->argument)) {
         reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
-    } else if (latch_moving(&gripper->latch)) {
+    } else if (latch_moving(&gripper->latch) || gripper->store_left > 0) {
         reply_error(reply, command, PROTOCOL_ERROR_MOVING);
-    } else if (gripper->store_left > 0) {
-        reply_flags(gripper, command, PROTOCOL_REPLY_BUSY, command->argument, reply);
     } else {
         gripper->calibration.numbers[number] = command->argument;
-        reply_flags(gripper, command, PROTOCOL_REPLY_OK, command->argument, reply);
+        reply_flags(gripper, command, command->argument, reply);
+    }
+}
+
+/* Write the calibration byte by byte, each looked at before and after: no wear, and no waiting. */
+static void store(struct gripper *gripper) {
+    uint8_t index = (uint8_t)(sizeof gripper->calibration - gripper->store_left);
+    uint8_t wanted = ((const uint8_t *)&gripper->calibration)[index];
+    if (hardware_eeprom_read(index) == wanted) {
+        gripper->store_left--;
+        gripper->store_tried = false;
+        gripper->record_good = gripper->store_left == 0;
+    } else if (gripper->store_tried) {
+        gripper->store_left = 0;
+        gripper->store_tried = false;
+        gripper->record_good = false;
+        gripper->latch.fault = PROTOCOL_FAULT_STORE;
+    } else {
+        hardware_eeprom_write(index, wanted);
+        gripper->store_tried = true;
+    }
+}
+
+void gripper_store(struct gripper *gripper, struct line *reply) {
+    reply->length = 0;
+    if (gripper->store_left == 0 || !hardware_eeprom_ready()) {
+        return;
+    }
+    store(gripper);
+    if (gripper->keep_begun && gripper->store_left == 0) {
+        const struct command command = {.sequence = gripper->session.newest};
+        reply_kept(gripper, &command, reply);
     }
 }
 
 void gripper_answer(struct gripper *gripper, const struct command *command, uint16_t damaged_lines,
                     struct line *reply) {
+    reply->length = 0;
     enum verdict verdict = session_take(&gripper->session, &gripper_identity, command, reply);
     if (verdict == COMMAND_NEW || verdict == COMMAND_IDENTIFIED) {
-        gripper->keeping = false;
+        gripper->keep_begun = false;
     }
     if (verdict == COMMAND_ANSWERED || verdict == COMMAND_IDENTIFIED) {
         return;
@@ -197,6 +210,6 @@ void gripper_answer(struct gripper *gripper, const struct command *command, uint
         if (command->letter == PROTOCOL_COMMAND_CLEAR) {
             gripper->latch.fault = PROTOCOL_FAULT_NONE;
         }
-        reply_flags(gripper, command, PROTOCOL_REPLY_OK, value, reply);
+        reply_flags(gripper, command, value, reply);
     }
 }

@@ -31,7 +31,7 @@ struct gripper {
     struct session session;
     uint8_t store_left; /* bytes of the record that are still to be written */
     bool store_tried;   /* the next of them was written, and is to be looked at */
-    bool keeping;       /* the newest command is one to keep the calibration, and was begun */
+    bool keep_begun;    /* by the newest command */
     bool record_good;   /* there is a record in the EEPROM */
 };
 
@@ -41,6 +41,13 @@ void gripper_start(struct gripper *gripper, struct survivors *survivors);
 /* Let a millisecond pass. */
 void gripper_tick(struct gripper *gripper, const struct gripper_inputs *inputs);
 
-/* Carry out a command and write the reply. `damaged_lines` is what its reader has counted. */
+/*
+ * Carry out a command. `damaged_lines` is what the reader of lines has counted.
+ *
+ * The reply is empty for a command to keep the calibration: gripper_store gives it later.
+ */
 void gripper_answer(struct gripper *gripper, const struct command *command, uint16_t damaged_lines,
                     struct line *reply);
+
+/* Go on writing the EEPROM, if there is something to write. The reply is mostly empty. */
+void gripper_store(struct gripper *gripper, struct line *reply);

@@ -9,7 +9,9 @@
 /* The servo's timer runs with a quarter of the clock: 0.4 us a count. */
 static const uint16_t servo_frame_counts = F_CPU / 4 / 50; /* 20 ms */
 
-static uint16_t servo_counts(uint16_t pulse_us) { return (uint16_t)(pulse_us * (F_CPU / 2000000)) / 2; }
+static uint16_t servo_counts(uint16_t pulse_us) {
+    return pulse_us * (uint16_t)(F_CPU / 2000000) / 2;
+}
 
 static struct survivors survivors __attribute__((section(".noinit")));
 static struct gripper gripper;
@@ -65,6 +67,12 @@ static void tick(void) {
     drive_servo();
 }
 
+static void send_reply(void) {
+    if (reply.length > 0) {
+        chip_send(&reply);
+    }
+}
+
 int main(void) {
     enum reset_cause cause = chip_start();
     start_pins();
@@ -83,8 +91,12 @@ int main(void) {
         while (chip_take_byte(&byte)) {
             if (line_read(&reader, byte, &command)) {
                 gripper_answer(&gripper, &command, reader.damaged, &reply);
-                chip_send(&reply);
+                send_reply();
             }
+        }
+        if (!chip_sending()) {
+            gripper_store(&gripper, &reply);
+            send_reply();
         }
         chip_sleep();
     }
