@@ -16,7 +16,7 @@ void ramp_prepare(void) {
     uint32_t interval = (uint32_t)(256 * 0.676 * STEP_TIMER_HZ * __builtin_sqrt(2 / steps_s2));
     for (uint8_t level = 0; level < RAMP_LEVELS; level++) {
         if (level > 0) {
-            interval -= 2 * interval / (4UL * level + 1);
+            interval -= 2 * interval / (4U * level + 1U);
         }
         intervals[level] = (uint16_t)(interval >> 8);
     }
