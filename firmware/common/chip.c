@@ -92,6 +92,12 @@ enum reset_cause chip_start(void) {
     return cause;
 }
 
+/* An interrupt that nobody asked for: the program is no longer itself. The watchdog ends it. */
+ISR(BADISR_vect, ISR_NAKED) {
+    for (;;) {
+    }
+}
+
 ISR(TCB0_INT_vect) {
     TCB0.INTFLAGS = TCB_CAPT_bm;
     ticks++;
