@@ -16,10 +16,10 @@ demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture an
 	@mkdir -p out
 	@$(BIN)/cellctl demo --speed 10 --picture out/stool.png --report out/report.json
 
-test: setup-test lint ## Lint, types, import layers and all tests but the long ones
+test: setup-test firmware lint ## Lint, types, import layers and all tests but the long ones
 	@scripts/test
 
-soak: setup-test ## The long proofs; an hour or more
+soak: setup-test firmware ## The long proofs; an hour or more
 	@$(BIN)/pytest -m soak --timeout 7200
 
 lint: setup ## ruff, mypy, import-linter
@@ -42,10 +42,11 @@ protocol: setup ## Write both sides' constants anew from docs/serial-protocol.md
 firmware: setup ## Compile the boards' programs into firmware/build
 	@$(MAKE) --no-print-directory -C firmware
 
-flash-gripper: ## Write program and fuses of the gripper's board; PORT=/dev/ttyUSB0
-flash-conveyor: ## The same for the conveyor's
-flash-gripper flash-conveyor: firmware
-	@$(MAKE) --no-print-directory -C firmware $@ PORT='$(PORT)'
+flash-gripper: firmware ## Write program and fuses of the gripper's board; PORT=/dev/ttyUSB0
+	@scripts/flash gripper '$(PORT)'
+
+flash-conveyor: firmware ## The same for the conveyor's
+	@scripts/flash conveyor '$(PORT)'
 
 lock: setup ## Write the lock files anew; `make lock UPGRADE=1` takes newer versions
 	@scripts/lock $(if $(UPGRADE),--upgrade)
