@@ -86,7 +86,8 @@ class Command(StrEnum):
     TRAVEL = "D"
     """The time that the servo is given to turn from now on, in milliseconds."""
     KEEP = "K"
-    """Writes the calibration into the EEPROM, where it outlives power."""
+    """Writes the calibration into the EEPROM, where it outlives power; answered when it is there,
+    within 0.1 s."""
     SELF_TEST = "T"
     """Tests what can be tested without moving anything."""
 
@@ -160,7 +161,7 @@ class GripperFlag(IntFlag):
     """The gripper's flags."""
 
     PART = 0x01
-    """The sensor in the gripper sees a part, or the servo's load."""
+    """The switch in the gripper feels a part."""
     MOVING = 0x02
     """The latch moves."""
     LATCHED = 0x04
@@ -203,11 +204,9 @@ class GripperFault(IntEnum):
 
     NONE = 0
     """Nothing is latched."""
-    STALL = 1
-    """The latch was told to turn, and its sensor saw that it did not."""
-    SUPPLY = 2
+    SUPPLY = 1
     """The supply fell too low while the servo turned."""
-    STORE = 3
+    STORE = 2
     """The EEPROM did not keep what was written."""
 
 
@@ -225,7 +224,7 @@ class SelfTest(IntFlag):
     STATUS_LINE = 0x10
     """The status pin does not have the level that it is driven to."""
     SENSOR = 0x20
-    """The sensor's input is out of range."""
+    """The switch has not had one level long enough to be believed."""
 
 
 FIRMWARE_VERSION: Final = {

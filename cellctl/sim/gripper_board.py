@@ -190,7 +190,7 @@ class GripperBoardEmulator(BoardEmulator):
             case Register.SUPPLY:
                 value = _SUPPLY_MV
             case Register.FAULT:
-                value = GripperFault.STALL if self._latch.faulty else GripperFault.NONE
+                value = GripperFault.SUPPLY if self._latch.faulty else GripperFault.NONE
             case Register.STACK_LEFT:
                 value = _STACK_LEFT
             case _:
