@@ -9,6 +9,9 @@
 #include "pins.h"
 #include "timer.h"
 
+enum { HOLD_MS = 100 }; /* current after the last step, until the rotor is still */
+
+static uint8_t hold_left_ms;
 static struct conveyor conveyor;
 static struct line_reader reader;
 static struct line reply;
@@ -26,7 +29,6 @@ static void stop_timer(void) {
     TCA0.SINGLE.CTRLA = 0;
     TCA0.SINGLE.CNT = 0;
     TCA0.SINGLE.INTFLAGS = TCA_SINGLE_OVF_bm;
-    PORTA.OUTSET = ENABLE_bm;
 }
 
 ISR(TCA0_OVF_vect) {
@@ -75,6 +77,11 @@ bool drive_turning(void) { return TCA0.SINGLE.CTRLA & TCA_SINGLE_ENABLE_bm; }
 static void tick(void) {
     uint8_t pins = PORTA.IN;
     conveyor_tick(&conveyor, !(pins & PART_bm), pins & STALL_bm);
+    if (drive_turning()) {
+        hold_left_ms = HOLD_MS;
+    } else if (hold_left_ms > 0 && --hold_left_ms == 0) {
+        PORTA.OUTSET = ENABLE_bm;
+    }
 }
 
 int main(void) {

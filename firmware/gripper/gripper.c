@@ -176,6 +176,7 @@ void gripper_answer(struct gripper *gripper, const struct command *command, uint
     }
     uint16_t value = gripper->latch.cycles;
     bool wants_argument = false;
+    bool known = true;
     switch (command->letter) {
     case PROTOCOL_COMMAND_LATCH_PULSE:
         answer_calibrate(gripper, LATCH_PULSE_US, command, reply);
@@ -199,11 +200,12 @@ void gripper_answer(struct gripper *gripper, const struct command *command, uint
     case PROTOCOL_COMMAND_IDENTIFY:
         break;
     default:
-        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
-        return;
+        known = false;
     }
     if (command->has_argument != wants_argument) {
         reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
+    } else if (!known) {
+        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
     } else if (command->letter == PROTOCOL_COMMAND_KEEP) {
         answer_keep(gripper, command, reply);
     } else {

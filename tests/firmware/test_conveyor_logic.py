@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,6 +23,7 @@ from cellctl.boards.constants import (
 )
 from cellctl.boards.line import CommandLine, Reply, decode_reply, encode_command
 from tests.firmware.host_program import HostProgram
+from tests.firmware.noise import fuzz
 
 STEPS_PER_M = 40_000
 STEPS_PER_UNIT = 4
@@ -86,6 +88,10 @@ class ConveyorBoard:
         assert isinstance(reply, Reply)
         assert reply.sequence == number
         return reply
+
+    def noise(self, data: bytes) -> None:
+        """Put anything on the line; what is answered does not matter."""
+        self._program.do(f"send {data.hex()}")
 
     def index(self, letter: str, pitch: int = PITCH) -> Reply:
         """Begin an index and ask for its end as the host does."""
@@ -230,6 +236,19 @@ def test_nothing_moves_before_the_board_is_identified(fresh: ConveyorBoard) -> N
         assert fresh.ask(letter, argument).error is ErrorCode.UNREADY
     fresh.tick(500)
     assert fresh.motor().steps == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_noise_on_the_line_moves_the_belt(fresh: ConveyorBoard, seed: int) -> None:
+    stream = fuzz(seed, 100_000)
+    # Whole frames are among the noise; those that identify the board or ask for an index are spoilt.
+    harmless = re.sub(rb"I(?=\*)|[FB](?= )", b"S", stream)
+    for start in range(0, len(harmless), 10_000):
+        fresh.noise(harmless[start : start + 10_000])
+        fresh.tick(500)
+    assert fresh.motor().steps == 0
+    fresh.ask("I")
+    assert fresh.index("F").error is ErrorCode.NO_EDGE, "it still works"
 
 
 def test_a_halt_brakes_and_the_next_index_begins_from_rest(board: ConveyorBoard) -> None:

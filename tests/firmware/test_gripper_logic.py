@@ -32,6 +32,7 @@ from cellctl.boards.line import (
     encode_command,
 )
 from tests.firmware.host_program import Change, HostProgram
+from tests.firmware.noise import fuzz
 
 GLITCH_MS = 4
 DEBOUNCE_MS = 6
@@ -67,6 +68,11 @@ class GripperBoard:
     def tick(self, count: int) -> list[Change]:
         """Let milliseconds pass; nothing may be sent meanwhile."""
         return [Change.parse(line) for line in self._program.do(f"tick {count}")]
+
+    def quietly(self, count: int) -> list[Change]:
+        """Let milliseconds pass; what it may send meanwhile does not matter."""
+        told = self._program.do(f"tick {count}")
+        return [Change.parse(line) for line in told if not line.startswith("sent ")]
 
     def command(self, level: int, ticks: int = TRAVEL_MS + DEBOUNCE_MS) -> list[Change]:
         """Set the command line and let time pass."""
@@ -267,6 +273,18 @@ def test_no_line_moves_the_latch(identified: GripperBoard) -> None:
         for argument in (None, 0, 1, 1000, 1500, 65535):
             identified.ask(letter, argument)
             assert identified.tick(500) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_noise_on_the_line_moves_the_latch(identified: GripperBoard, seed: int) -> None:
+    identified.command(1)
+    identified.command(0)
+    stream = fuzz(seed, 100_000)
+    answers = 0
+    for start in range(0, len(stream), 10_000):
+        answers += len(identified.send(stream[start : start + 10_000]))
+        assert [change for change in identified.quietly(500) if change.pulse_us] == []
+    assert answers > 100, "hardly anything was a command: this proves nothing"
 
 
 def test_before_it_is_identified_it_does_nothing_for_the_host(board: GripperBoard) -> None:

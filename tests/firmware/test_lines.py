@@ -5,7 +5,6 @@ What is a command is decided by the host's codec, which shares no code with it.
 
 from __future__ import annotations
 
-import random
 import re
 import subprocess
 from pathlib import Path
@@ -20,8 +19,8 @@ from cellctl.boards.line import (
     decode_command,
     encode_command,
 )
+from tests.firmware.noise import LETTERS, fuzz
 
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 SHORT_FRAMES = 256 * len(LETTERS)
 """Sequence numbers times letters: every frame without an argument."""
 
@@ -48,48 +47,6 @@ def expected(stream: bytes) -> list[CommandLine]:
         except LineError:
             continue
     return commands
-
-
-def random_command(rng: random.Random) -> bytes:
-    argument = rng.randrange(0x10000) if rng.random() < 0.5 else None
-    return encode_command(CommandLine(rng.randrange(256), rng.choice(LETTERS), argument))
-
-
-def garble(rng: random.Random, frame: bytes) -> bytes:
-    """Damage a frame in one of the ways in which lines get damaged."""
-    data = bytearray(frame)
-    place = rng.randrange(len(data))
-    match rng.randrange(6):
-        case 0:
-            data[place] ^= 1 << rng.randrange(8)
-        case 1:
-            del data[place]
-        case 2:
-            data.insert(place, rng.randrange(256))
-        case 3:
-            del data[place:]
-        case 4:
-            data[place] = ord(rng.choice("0123456789ABCDEFabcdef *>\n"))
-        case _:
-            data[place:place] = data[:place]
-    return bytes(data)
-
-
-def fuzz(seed: int, size: int) -> bytes:
-    """Noise, digits and signs of the protocol, whole frames and damaged ones."""
-    rng = random.Random(seed)  # noqa: S311 - repeatable chance
-    stream = bytearray()
-    while len(stream) < size:
-        match rng.randrange(4):
-            case 0:
-                stream += rng.randbytes(rng.randrange(20))
-            case 1:
-                stream += bytes(rng.choices(b">0123456789ABCDEF *\n", k=rng.randrange(20)))
-            case 2:
-                stream += random_command(rng)
-            case _:
-                stream += garble(rng, random_command(rng))
-    return bytes(stream[:size])
 
 
 def check_fuzzed(lines: Path, seed: int, size: int) -> None:
