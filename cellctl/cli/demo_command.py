@@ -10,7 +10,12 @@ import typer
 from rich.console import Console
 
 from cellctl.cli.job_commands import read_file
-from cellctl.cli.options import ConfigOption
+from cellctl.cli.options import (
+    ConfigOption,
+    FirmwareFolderOption,
+    FirmwareOption,
+    with_boards,
+)
 from cellctl.config import ENVIRONMENT_VARIABLE, CellConfig, load_config
 from cellctl.errors import ConfigError, UsageError
 
@@ -51,6 +56,8 @@ def register(app: typer.Typer) -> None:
             float | None,
             typer.Option(min=0.1, max=100.0, help="Cell seconds per second of your time."),
         ] = None,
+        firmware: FirmwareOption = None,
+        firmware_folder: FirmwareFolderOption = None,
         picture: Annotated[
             Path | None, typer.Option(help="Draw what stands at the end into this PNG file.")
         ] = None,
@@ -66,7 +73,9 @@ def register(app: typer.Typer) -> None:
         if wav is not None:
             read_file(wav)
         console = Console(highlight=False)
-        settings = _waived(load_config(demo_config(config)), speed)
+        settings = with_boards(
+            _waived(load_config(demo_config(config))), firmware, firmware_folder, speed
+        )
         console.print(
             f"[bold]{settings.cell.name}[/]: a {settings.robot.model} at "
             f"{settings.cell.clock_rate:g} times real speed. "
@@ -82,9 +91,6 @@ def register(app: typer.Typer) -> None:
         raise typer.Exit(int(status))
 
 
-def _waived(config: CellConfig, speed: float | None) -> CellConfig:
-    cell = config.cell
-    if speed is not None:
-        cell = cell.model_copy(update={"clock_rate": speed})
+def _waived(config: CellConfig) -> CellConfig:
     policy = config.policy.model_copy(update={"confirmation": "waived"})
-    return config.model_copy(update={"cell": cell, "policy": policy})
+    return config.model_copy(update={"policy": policy})

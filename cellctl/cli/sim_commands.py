@@ -11,7 +11,13 @@ from typing import Annotated
 import typer
 
 from cellctl import logs
-from cellctl.cli.options import ConfigOption, configuration
+from cellctl.cli.options import (
+    ConfigOption,
+    FirmwareFolderOption,
+    FirmwareOption,
+    configuration,
+    with_boards,
+)
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
 from cellctl.feeding.inventory import Counts
@@ -34,7 +40,13 @@ def register(app: typer.Typer) -> None:
     app.add_typer(group, name="sim")
 
     @group.callback(invoke_without_command=True)
-    def sim(context: typer.Context, config: ConfigOption = None, speed: SpeedOption = None) -> None:
+    def sim(
+        context: typer.Context,
+        config: ConfigOption = None,
+        speed: SpeedOption = None,
+        firmware: FirmwareOption = None,
+        firmware_folder: FirmwareFolderOption = None,
+    ) -> None:
         """Run the emulated cell until Ctrl-C; `cellctl run` with the same file connects to it."""
         context.obj = settings = configuration(config)
         if context.invoked_subcommand is not None:
@@ -42,9 +54,10 @@ def register(app: typer.Typer) -> None:
         from cellctl.sim.process import run_cell  # noqa: PLC0415 - only this command needs it
 
         _end_point(settings)
+        settings = with_boards(settings, firmware, firmware_folder, speed)
         _forget_the_old_world(settings)
         logs.configure()
-        asyncio.run(run_cell(settings, speed if speed is not None else settings.cell.clock_rate))
+        asyncio.run(run_cell(settings, settings.cell.clock_rate))
 
     @group.command()
     def inject(

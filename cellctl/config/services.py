@@ -123,3 +123,7 @@ class EmulationSection(Section):
     """Of everything that is random in it."""
     controller_version: Literal["3.15", "5.12"] = "5.12"
     """Controller software to emulate; 3.15 is a CB3 with 125 Hz."""
+    firmware: Literal["plain", "elf"] = "plain"
+    """The boards: emulators of their own, or the compiled programs in an AVR simulator."""
+    firmware_folder: str | None = None
+    """Where gripper.elf and conveyor.elf are; none: where ``make firmware`` puts them."""

@@ -37,6 +37,7 @@ from cellctl.boards.line import (
 )
 from cellctl.sim.board_faults import (
     ActiveFaults,
+    Hang,
     OldFirmware,
     Silent,
     Unplugged,
@@ -96,10 +97,14 @@ class BoardEmulator(ABC):
             UsageError: there is no such fault, or not with these arguments.
         """
         injected = self._faults.inject(fault, arguments)
-        if isinstance(injected, Unplugged):
-            self._cable.unplug()
-        else:
-            self._struck(injected)
+        match injected:
+            case Unplugged():
+                self._cable.unplug()
+            case Hang():
+                self._faults.end(Hang)
+                self.reset(ResetCause.WATCHDOG)
+            case _:
+                self._struck(injected)
 
     def clear(self, fault: str) -> None:
         """Switch a fault off.
@@ -110,6 +115,10 @@ class BoardEmulator(ABC):
         if self._faults.clear(fault) is Unplugged and not self._cable.is_plugged_in:
             self._cable.plug_in()
             self.reset(ResetCause.POWER)
+
+    def fault_names(self) -> tuple[str, ...]:
+        """The names of the faults that are active."""
+        return self._faults.names()
 
     def reset(self, cause: ResetCause) -> None:
         """Start anew."""

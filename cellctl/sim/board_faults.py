@@ -62,6 +62,13 @@ class OldFirmware(Value):
     version: Annotated[str, Field(pattern=r"^[0-9.]{1,12}$")] = "0.9.0"
 
 
+class Hang(Value):
+    """The program is caught in an endless loop, once, until its watchdog resets it."""
+
+    interrupts: bool = True
+    """Whether interrupts go on meanwhile."""
+
+
 class Unplugged(Value):
     """The port vanishes; it comes back when the fault is cleared, and the board has been reset."""
 
@@ -76,6 +83,7 @@ BOARD_FAULTS: Final[dict[str, type[Value]]] = {
     "wrong_protocol": WrongProtocol,
     "old_firmware": OldFirmware,
     "unplugged": Unplugged,
+    "hang": Hang,
 }
 """What every board can suffer."""
 

@@ -79,6 +79,10 @@ class Cable:
         arrived, self._arrived = self._arrived, b""
         return arrived + b"".join(self._strike(self._lines(self._port.read()), to_host=False))
 
+    def echo(self, line: bytes) -> None:
+        """What the host has said comes back to it, as it does on a single wire."""
+        self._to_host(line)
+
     def write(self, frame: bytes) -> None:
         """The board says something."""
         if self._faults.use_up(LostReplies):

@@ -11,10 +11,9 @@ from cellctl.assembly import Cell
 from cellctl.boards.constants import ResetCause
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
-from cellctl.sim.conveyor import ConveyorEmulator
+from cellctl.sim.boards import Board, GripperBoard, make_boards
 from cellctl.sim.faults import FAULTS, Device, Fault
-from cellctl.sim.gripper_board import GripperBoardEmulator
-from cellctl.sim.latch import Latch, LatchFault
+from cellctl.sim.latch import LatchFault
 from cellctl.sim.messages import Argument, CellTruth
 from cellctl.sim.ur.controller import UrController
 from cellctl.sim.ur.options import UrOptions
@@ -36,7 +35,8 @@ class EmulatedCell:
         imperfections: how far the belt and its parts are from perfect.
 
     Raises:
-        UsageError: the configuration is of a real cell.
+        UsageError: the configuration is of a real cell, or asks for compiled boards that are not
+            there or cannot run as fast.
     """
 
     def __init__(self, config: CellConfig, imperfections: Imperfections | None = None) -> None:
@@ -48,8 +48,8 @@ class EmulatedCell:
         self.config = config
         self.seed = config.emulation.seed
         self.world = World(config, self.seed, imperfections, _log_violation)
-        self.latch = Latch(self.world)
-        plant = CellPlant(self.world, self.latch, config.gripper)
+        self.latch, self.gripper_board, self.conveyor = make_boards(self.world, config)
+        self._plant = CellPlant(self.world, self.latch, config.gripper)
         self.robot = UrController(
             UrOptions(
                 model=config.robot.model,
@@ -59,11 +59,7 @@ class EmulatedCell:
                 initial_joints_rad=config.robot.home_rad,
                 tool_voltage_v=config.tool.voltage_v,
             ),
-            plant,
-        )
-        self.conveyor = ConveyorEmulator(self.world, config)
-        self.gripper_board = (
-            GripperBoardEmulator(self.latch, config) if config.gripper.port is not None else None
+            self._plant,
         )
         self._faults: list[str] = []
 
@@ -92,6 +88,7 @@ class EmulatedCell:
         """Let cell time pass."""
         self.world.advance(dt_s)
         self.robot.advance(dt_s)
+        self._plant.advance(dt_s)
         self.latch.advance(dt_s)
         for board in self._boards():
             board.advance(dt_s)
@@ -109,7 +106,7 @@ class EmulatedCell:
             case Device.CONVEYOR:
                 self.conveyor.inject(fault.effect, **values)
             case Device.GRIPPER:
-                self._inject_gripper(fault)
+                self._inject_gripper(fault, values)
             case Device.GRIPPER_BOARD:
                 self._talking_gripper().inject(fault.effect, **values)
             case Device.WORLD:
@@ -164,11 +161,11 @@ class EmulatedCell:
             gripper_board=self.gripper_board.truth() if self.gripper_board is not None else {},
         )
 
-    def _boards(self) -> tuple[ConveyorEmulator | GripperBoardEmulator, ...]:
+    def _boards(self) -> tuple[Board, ...]:
         boards = (self.conveyor, self.gripper_board)
         return tuple(board for board in boards if board is not None)
 
-    def _talking_gripper(self) -> GripperBoardEmulator:
+    def _talking_gripper(self) -> GripperBoard:
         if self.gripper_board is None:
             raise UsageError(
                 "The gripper's board has no serial port in this cell.", "Set gripper.port."
@@ -185,8 +182,10 @@ class EmulatedCell:
         ]
         return (*self._faults, *on_boards)
 
-    def _inject_gripper(self, fault: Fault) -> None:
-        if fault.effect != "reboot":
+    def _inject_gripper(self, fault: Fault, values: dict[str, Any]) -> None:
+        if fault.effect == "glitch":
+            self._plant.glitch(values["duration_s"])
+        elif fault.effect != "reboot":
             self.latch.inject(LatchFault(fault.effect))
         elif self.gripper_board is not None:
             self.gripper_board.reset(ResetCause.POWER)

@@ -12,6 +12,7 @@ from typing import Final, Protocol
 
 from cellctl.assembly import Value
 from cellctl.boards.constants import (
+    COMMANDS,
     COUNTER_COUNT,
     LATCHING,
     MOTIONS,
@@ -159,6 +160,8 @@ class ConveyorEmulator(BoardEmulator):
 
     def _act_at_rest(self, line: CommandLine) -> Reply:
         """Answer a command that begins no motion; carrying it out again changes nothing."""
+        if line.command not in COMMANDS[BoardRole.CONVEYOR]:
+            return error_reply(line, ErrorCode.COMMAND)
         if line.argument is not None:
             return error_reply(line, ErrorCode.ARGUMENT)
         match line.command:
@@ -168,8 +171,6 @@ class ConveyorEmulator(BoardEmulator):
                 self._stop(ErrorCode.HALTED)
             case Command.CLEAR:
                 self._error = None
-            case _:
-                return error_reply(line, ErrorCode.COMMAND)
         return Reply(line.sequence, ReplyKind.OK, self._status())
 
     def _begin(self, line: CommandLine) -> Reply | None:

@@ -306,8 +306,21 @@ def _of_board(device: Device, prefix: str, board: str, other: str) -> tuple[Faul
     )
 
 
+def _hang(device: Device, prefix: str, board: str) -> Fault:
+    return Fault(
+        f"{prefix}board_hang",
+        device,
+        "hang",
+        f"The program of {board} hangs, until its watchdog resets it.",
+        (Parameter("interrupts", bool, "whether interrupts go on meanwhile", True),),
+        once=True,
+        remedy="Nothing: the watchdog resets the board.",
+    )
+
+
 _CONVEYOR_BOARD = (
     *_of_board(Device.CONVEYOR, "", "the conveyor's board", "gripper"),
+    _hang(Device.CONVEYOR, "", "the conveyor's board"),
     Fault(
         "board_reset",
         Device.CONVEYOR,
@@ -323,6 +336,7 @@ _CONVEYOR_BOARD = (
 )
 _GRIPPER_BOARD = (
     *_of_board(Device.GRIPPER_BOARD, "gripper_", "the gripper's board", "conveyor"),
+    _hang(Device.GRIPPER_BOARD, "gripper_", "the gripper's board"),
     Fault(
         "gripper_board_reset",
         Device.GRIPPER_BOARD,
@@ -359,6 +373,15 @@ _GRIPPER = (
         "The latch does not move, and its status line toggles at 5 Hz.",
     ),
     Fault("gripper_stuck", Device.GRIPPER, "stuck", "The latch does not move; its status is low."),
+    Fault(
+        "command_glitch",
+        Device.GRIPPER,
+        "glitch",
+        "The gripper's command line has the opposite level for a moment.",
+        (Parameter("duration_s", float, "how long, in seconds", 0.004),),
+        once=True,
+        remedy="Nothing, if it is short: less than 6 ms moves nothing.",
+    ),
     Fault(
         "gripper_reboot",
         Device.GRIPPER,

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 from cellctl.assembly import Value
 from cellctl.boards.constants import (
+    COMMANDS,
     COUNTER_COUNT,
     LATCH_PULSE_US,
     PULSE_MAX_US,
@@ -118,10 +119,6 @@ class GripperBoardEmulator(BoardEmulator):
             "faults": self._faults.names(),
         }
 
-    def fault_names(self) -> tuple[str, ...]:
-        """The names of the faults that are active."""
-        return self._faults.names()
-
     def _struck(self, fault: Value) -> None:
         match fault:
             case Reset(cause=cause, when="now"):
@@ -143,6 +140,8 @@ class GripperBoardEmulator(BoardEmulator):
 
     def _act(self, line: CommandLine) -> Reply:
         self._last = line.sequence
+        if line.command not in COMMANDS[BoardRole.GRIPPER]:
+            return error_reply(line, ErrorCode.COMMAND)
         for setting, (register, least, most) in _SETS.items():
             if line.command == setting:
                 return self._calibrate(line, register, range(least, most + 1))
@@ -173,8 +172,6 @@ class GripperBoardEmulator(BoardEmulator):
                 self._kept, self._default = dict(self._set), False
             case Command.SELF_TEST:
                 return self._reply(line, SelfTest.RECORD if self._kept is None else 0)
-            case _:
-                return error_reply(line, ErrorCode.COMMAND)
         return self._reply(line, self._latch.cycles % COUNTER_COUNT)
 
     def _register(self, register: Register) -> int:

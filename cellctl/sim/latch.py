@@ -12,6 +12,9 @@ from enum import StrEnum
 
 from cellctl.sim.world import World
 
+DEAF_S = 0.006
+"""A board looks at its command line for so long before it believes a new level; this emulator
+hears of it at once, or not at all."""
 TRAVEL_S = 0.35
 """Cell time from a command to the latch being open or closed."""
 TOGGLE_HALF_PERIOD_S = 0.1
@@ -36,6 +39,8 @@ class Latch:
         world: where the parts are.
         travel_s: cell time from a command to its completion.
     """
+
+    deaf_s = DEAF_S
 
     def __init__(self, world: World, travel_s: float = TRAVEL_S) -> None:
         self._world = world

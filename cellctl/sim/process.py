@@ -12,7 +12,7 @@ from collections.abc import Callable
 import structlog
 
 from cellctl.config import CellConfig
-from cellctl.errors import UsageError
+from cellctl.errors import CellctlError, UsageError
 from cellctl.sim.cell import EmulatedCell
 from cellctl.sim.injection import InjectionServer
 from cellctl.sim.pace import SLICE_WALL_S, SimClock
@@ -38,7 +38,9 @@ async def run_cell(
         end_with_stdin: end also when standard input closes, as when the parent process dies.
 
     Raises:
-        UsageError: the cell is a real one, or one of its addresses is taken.
+        UsageError: the cell is a real one, or one of its addresses is taken, or its boards cannot
+            run as is asked for.
+        BoardCrashedError: a board's compiled program crashed.
     """
     section = config.cell.model_copy(update={"clock_rate": speed})
     cell = EmulatedCell(config.model_copy(update={"cell": section}), imperfections)
@@ -65,6 +67,11 @@ async def run_cell(
             await _first(ended, work)
             for task in work:
                 task.cancel()
+    except ExceptionGroup as group:
+        told = [error for error in group.exceptions if isinstance(error, CellctlError)]
+        if not told:
+            raise
+        raise told[0] from None
     except OSError as error:
         raise UsageError(
             f"The emulated cell cannot start: {error}.",

@@ -87,22 +87,20 @@ void conveyor_answer(struct conveyor *conveyor, const struct command *command, s
         answer_index(conveyor, command, reply);
         return;
     }
+    bool halts = command->letter == PROTOCOL_COMMAND_HALT;
+    bool clears = command->letter == PROTOCOL_COMMAND_CLEAR;
+    if (!halts && !clears && command->letter != PROTOCOL_COMMAND_STATUS) {
+        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
+        return;
+    }
     if (command->has_argument) {
         reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
         return;
     }
-    switch (command->letter) {
-    case PROTOCOL_COMMAND_STATUS:
-        break;
-    case PROTOCOL_COMMAND_HALT:
+    if (halts) {
         belt_halt(&conveyor->belt);
-        break;
-    case PROTOCOL_COMMAND_CLEAR:
+    } else if (clears) {
         conveyor->belt.latched = INDEX_NONE;
-        break;
-    default:
-        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
-        return;
     }
     reply_belt(conveyor, command, PROTOCOL_REPLY_OK, reply);
 }

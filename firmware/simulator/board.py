@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -87,12 +88,17 @@ class Board:
         """How long the microcontroller has been simulated."""
         return float(self.loop.cycle() / self.frequency_hz)
 
-    def watch(self, pin: str) -> None:
-        """Tell of every change of a pin's level from now on."""
+    def watch(self, name: str) -> None:
+        """Tell of every change of a pin's level from now on; of a pin with a +, its rises only."""
+        pin = name.removesuffix("+")
+        rises_only = pin != name
 
         def changed(signal: Any, _: int) -> None:
-            if signal.sigid == core.Wire.SignalId.DigitalChange:
-                self._events.append([round(self.time_s, 8), pin, int(signal.data.value())])
+            if signal.sigid != core.Wire.SignalId.DigitalChange:
+                return
+            high = signal.data.value()
+            if high or not rises_only:
+                self._events.append([round(self.time_s, 8), pin, int(high)])
 
         hook = core.CallableSignalHook(changed)
         self._pin(pin).signal().connect(hook)
@@ -248,9 +254,13 @@ def main() -> int:
     parser.add_argument("--supply-v", type=float, default=5.0)
     parser.add_argument("--serial", metavar="TXD,RXD", help="pins of the serial line")
     parser.add_argument("--baud", type=int, default=115_200)
-    parser.add_argument("--watch", default="", metavar="PIN,...", help="pins to tell changes of")
+    parser.add_argument(
+        "--watch", default="", metavar="PIN,...", help="pins to tell changes of; PIN+: rises"
+    )
     parser.add_argument("--serial-number", type=bytes.fromhex, default=bytes(10), metavar="HEX")
     options = parser.parse_args()
+    # Ctrl-C is for whoever uses this: it closes standard input when it is done.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         board = Board(options.chip, options.elf, options.frequency_hz, options.supply_v)
         board.set_serial_number(options.serial_number)

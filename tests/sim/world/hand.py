@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -28,15 +29,34 @@ def emulated_config() -> CellConfig:
     return config.model_copy(update={"feeder": feeder, "limits": limits})
 
 
+class Gripper(Protocol):
+    """Whatever turns the latch."""
+
+    def command(self, high: bool) -> None:
+        """Level of the command line: high unlatches."""
+
+    def advance(self, dt_s: float) -> None:
+        """Let cell time pass."""
+
+
 class Hand:
     """The arm of a test: it can be anywhere, and works the latch.
 
     Positions are the TCP's in the workspace frame, in metres; the tool points down.
+
+    Args:
+        world: where the parts are.
+        gripper: what turns the latch; a plain one of the hand's own by default.
+        travel_s: how long to wait for it.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(
+        self, world: World, gripper: Gripper | None = None, travel_s: float = TRAVEL_S
+    ) -> None:
         self.world = world
         self.latch = Latch(world)
+        self._gripper = self.latch if gripper is None else gripper
+        self._travel_s = travel_s
         self.pitch_m = world.config.voxel.pitch_m
         self._base = pose_matrix(world.config.base.frame)
         self._workspace = pose_matrix(world.config.workspace.frame)
@@ -70,13 +90,13 @@ class Hand:
 
     def open(self) -> None:
         """Unlatch, and wait for it."""
-        self.latch.command(True)
-        self.latch.advance(TRAVEL_S)
+        self._gripper.command(True)
+        self._gripper.advance(self._travel_s)
 
     def close(self) -> None:
         """Latch, and wait for it."""
-        self.latch.command(False)
-        self.latch.advance(TRAVEL_S)
+        self._gripper.command(False)
+        self._gripper.advance(self._travel_s)
 
     def over(self, x_m: float, y_m: float, height_m: float = 0.8) -> None:
         """Go up, across and down to a height, straight."""

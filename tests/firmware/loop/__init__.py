@@ -1,0 +1,1 @@
+"""The compiled programs in the emulated cell's loop, in simulated time."""
