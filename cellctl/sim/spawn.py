@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -61,9 +60,6 @@ def emulated_cell(
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=log,
-            # The world's matrices are small: threads of their library would only fight for the
-            # cores with the daemon under test.
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         )
         try:
             # Its standard input stays open: when it closes, the process ends.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import tee
 from typing import Self
 
 import numpy as np
@@ -14,7 +15,7 @@ from cellctl.validating.stability.assess import STANDS, Verdict, assess, to_verd
 from cellctl.validating.stability.joints import Floats, Ints
 from cellctl.validating.stability.loads import SIDES, placement_pushes
 from cellctl.validating.stability.physics import Physics
-from cellctl.validating.stability.witness import Witness
+from cellctl.validating.stability.witness import Region, Witness
 
 GOOD_MARGIN = 1.5
 """A margin that is proven to be at least this is not determined more exactly."""
@@ -125,11 +126,12 @@ class Growth:
                 witness.bear(rows, wrenches)
             return
         cell = min(hanging)
-        rows, solution = witness.solve(witness.cells, cell, np.zeros(6))
+        region = witness.region(witness.cells)
+        solution = region.solve(cell, np.zeros(6))
         if math.isinf(solution.pull):
             self._balanced = False
             return
-        witness.bear(rows, solution.wrenches)
+        witness.bear(region.rows, solution.wrenches)
 
     def _place_on_column(self, cell: Cell) -> Verdict:
         """Weight, press and push go straight down the column, if its joints can bear them."""
@@ -145,8 +147,10 @@ class Growth:
         if pull <= self._pull:
             return self._bounded(pull, rows, witness.needs_with(rows, pushed).max(axis=0))
         worst = self._at_rest(cell)
+        regions = self._regions(cell)
         for push in placement_pushes(cell, self.cells, physics):
-            verdict, _, _ = self._withstand(cell, push, _ENOUGH * self._pull)
+            regions, these = tee(regions)
+            verdict, _, _ = self._withstand(cell, push, these)
             worst = min(worst, verdict, key=lambda v: v.margin)
         return worst
 
@@ -155,8 +159,10 @@ class Growth:
         witness, physics = self._witness, self.physics
         worst = STANDS
         found: list[tuple[Ints, Floats]] = []
+        regions = self._regions(cell)
         for push in placement_pushes(cell, self.cells, physics):
-            verdict, rows, wrenches = self._withstand(cell, push, _ENOUGH * self._pull)
+            regions, these = tee(regions)
+            verdict, rows, wrenches = self._withstand(cell, push, these)
             worst = min(worst, verdict, key=lambda v: v.margin)
             if verdict.margin == 0.0:
                 self._balanced = False
@@ -178,49 +184,49 @@ class Growth:
         witness = self._witness
         pull = witness.need
         if pull > self._pull and self._thorough:
-            piece = self._piece(cell)
-            rows, solution = witness.solve(piece, cell, np.zeros(6))
+            piece = witness.region(self._piece(cell))
+            solution = piece.solve(cell, np.zeros(6))
             if math.isinf(solution.pull):
                 self._balanced = False
-                return to_verdict(solution, sorted(piece))
-            witness.bear(rows, solution.wrenches)
+                return to_verdict(solution, list(piece.cells))
+            witness.bear(piece.rows, solution.wrenches)
             pull = witness.need
-            if solution.pull > max(self._pull, witness.need_outside(rows)):
-                return to_verdict(solution, sorted(piece))
+            if solution.pull > max(self._pull, witness.need_outside(piece.rows)):
+                return to_verdict(solution, list(piece.cells))
         return self._bounded(pull, np.empty(0, dtype=np.int64), np.empty(0))
 
     def _withstand(
-        self, cell: Cell, push: Floats, enough: float = 0.0
+        self, cell: Cell, push: Floats, regions: Iterable[tuple[Region, bool]]
     ) -> tuple[Verdict, Ints, Floats]:
         """The state while a cell is pushed, and what which joints bear then."""
         witness = self._witness
-        size = 0
-        for region, whole in self._regions(cell):
-            if len(region) == size and not whole:
-                continue
-            size = len(region)
-            rows, solution = witness.solve(
-                region, cell, push, enough, thrift=0.0 if whole else _THRIFT
+        for region, whole in regions:
+            rows = region.rows
+            solution = region.solve(
+                cell, push, _ENOUGH * self._pull, thrift=0.0 if whole else _THRIFT
             )
             pull = max(solution.pull, witness.need_outside(rows))
             if pull <= self._pull:
                 verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
                 return verdict, rows, solution.wrenches
-        pull = max(solution.pull, witness.need_outside(rows))
         self._pull = min(max(self._pull, pull), 1.0 / self.physics.least_margin)
         exact = self._thorough and solution.pull >= witness.need_outside(rows)
         if exact or math.isinf(pull):
-            return to_verdict(solution, sorted(region)), rows, solution.wrenches
+            return to_verdict(solution, list(region.cells)), rows, solution.wrenches
         verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
         return verdict, rows, solution.wrenches
 
-    def _regions(self, cell: Cell) -> Iterator[tuple[set[Cell], bool]]:
+    def _regions(self, cell: Cell) -> Iterator[tuple[Region, bool]]:
         """Ever larger surroundings of a cell, and whether they are all that it is joined to."""
         distance = self._support_distance(cell)
+        size = 0
         for reach in _REACHES:
-            yield self._around(cell, distance + reach), False
+            around = self._around(cell, distance + reach)
+            if len(around) > size:
+                size = len(around)
+                yield self._witness.region(around), False
         if self._thorough:
-            yield self._piece(cell), True
+            yield self._witness.region(self._piece(cell)), True
 
     def _support_distance(self, cell: Cell) -> int:
         """Steps through joints to the nearest cell that stands on a column."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,6 +16,7 @@ SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Directions of a push aside: along +x, -x, +y and -y."""
 
 
+@lru_cache(maxsize=64)
 def push(physics: Physics, side: tuple[float, float] = (0.0, 0.0)) -> Floats:
     """Pressing a part down and aside at its top face: (6,), in N, and N m about its centre."""
     force = np.array(
@@ -24,7 +26,9 @@ def push(physics: Physics, side: tuple[float, float] = (0.0, 0.0)) -> Floats:
             -physics.placement_down_n,
         ]
     )
-    return np.concatenate([force, np.cross([0.0, 0.0, physics.pitch_m / 2], force)])
+    found = np.concatenate([force, np.cross([0.0, 0.0, physics.pitch_m / 2], force)])
+    found.flags.writeable = False
+    return found
 
 
 def placement_pushes(placed: Cell, cells: Cells, physics: Physics) -> Iterator[Floats]:

@@ -7,7 +7,8 @@ distribution is kept from state to state, and changed only where something chang
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -107,31 +108,13 @@ class Witness:
         self._wrench[rows] = wrenches
         self._need[rows] = self.needs_with(rows, wrenches)
 
-    def solve(
-        self,
-        region: Iterable[Cell],
-        cell: Cell,
-        push: Floats,
-        enough: float = 0.0,
-        thrift: float = 0.0,
-    ) -> tuple[Ints, Solution]:
-        """Balance a region anew, while all joints outside of it bear what they bear.
-
-        Args:
-            region: the cells whose joints among each other may change.
-            cell: one of them, that is pushed.
-            push: the load on it besides its weight, (6,).
-            enough: a pull that is not to be improved on.
-            thrift: as the programme takes it.
-
-        Returns:
-            The rows of the joints that may change, and the solution for them in this order.
-        """
-        numbered = sorted(region)
+    def region(self, cells: Iterable[Cell]) -> Region:
+        """Some of the cells, whose joints among each other may bear something else; all joints
+        outside of them bear what they bear now."""
+        numbered = sorted(cells)
         inside = {c: i for i, c in enumerate(numbered)}
         programme = Programme(np.array(numbered, dtype=np.int64), self.physics)
         loads = programme.weights()
-        loads[inside[cell]] += push
         for one, index in inside.items():
             for axis, step in enumerate(_STEPS):
                 lower = Cell(one.x - step[0], one.y - step[1], one.z - step[2])
@@ -140,22 +123,45 @@ class Witness:
                 upper = Cell(one.x + step[0], one.y + step[1], one.z + step[2])
                 if upper not in inside and upper in self.cells:
                     loads[index] -= self._at_centre(upper, axis, 1.0)
-        solution = programme.solve(loads, enough, thrift)
-        rows = np.array(
-            [
-                self.number[numbered[part], axis]
-                for part, axis in zip(
-                    programme.joints.upper.tolist(), programme.joints.axis.tolist(), strict=True
-                )
-            ],
-            dtype=np.int64,
-        )
-        return rows, solution
+        rows = [
+            self.number[numbered[part], axis]
+            for part, axis in zip(
+                programme.joints.upper.tolist(), programme.joints.axis.tolist(), strict=True
+            )
+        ]
+        return Region(inside, np.array(rows, dtype=np.int64), programme, loads)
 
     def _at_centre(self, upper: Cell, axis: int, side: float) -> Floats:
         """A joint's wrench about the centre of a part; the joint lies on that side of it."""
         found: Floats = self._wrench[self.number[upper, axis]].copy()
-        arm_m = np.zeros(3)
-        arm_m[axis] = side * self.physics.pitch_m / 2
-        found[3:] += np.cross(arm_m, found[:3])
+        arm_m = side * self.physics.pitch_m / 2
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        found[3 + one] -= arm_m * found[two]
+        found[3 + two] += arm_m * found[one]
         return found
+
+
+@dataclass(frozen=True)
+class Region:
+    """A part of a structure that is balanced anew."""
+
+    cells: Mapping[Cell, int]
+    """The cells, and their numbers in the programme."""
+    rows: Ints
+    """Of the joints that may change, in the programme's order, (m,)."""
+    _programme: Programme
+    _loads: Floats
+    """At rest, and what the joints outside of it bear, (n, 6)."""
+
+    def solve(self, cell: Cell, push: Floats, enough: float = 0.0, thrift: float = 0.0) -> Solution:
+        """Balance it while a cell is pushed.
+
+        Args:
+            cell: one of its cells.
+            push: the load on it besides its weight, (6,).
+            enough: a pull that is not to be improved on.
+            thrift: as the programme takes it.
+        """
+        loads = self._loads.copy()
+        loads[self.cells[cell]] += push
+        return self._programme.solve(loads, enough, thrift)
