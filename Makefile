@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test soak lint format docs protocol firmware flash-gripper flash-conveyor lock \
+.PHONY: help demo test test-hil soak lint format docs protocol firmware flash-gripper flash-conveyor lock \
 	setup setup-test install uninstall clean
 
 BIN := .venv/bin
@@ -21,6 +21,10 @@ test: setup-test firmware lint ## Lint, types, import layers and all tests but t
 
 soak: setup-test firmware ## The long proofs; an hour or more
 	@$(BIN)/pytest -m soak --timeout 7200
+
+test-hil: setup-test ## The suites for a cell that is there; CONFIG=cell.toml; asks before anything moves
+	@test -n "$(CONFIG)" || { echo 'make test-hil CONFIG=cell.toml: name the cell' >&2; exit 2; }
+	@CELLCTL_HIL_CONFIG='$(abspath $(CONFIG))' $(BIN)/pytest -s -p no:cacheprovider tests/hil
 
 lint: setup ## ruff, mypy, import-linter
 	@$(BIN)/ruff check

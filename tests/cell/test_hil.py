@@ -1,0 +1,75 @@
+"""``make test-hil`` by itself: the same suites, on an emulated cell that ``cellctl sim`` runs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from cellctl.sim.client import SimClient
+from cellctl.sim.isolation import isolated, write_config
+from cellctl.sim.spawn import emulated_cell
+from tests.cell.harness import cell_config
+from tests.leaks import REPOSITORY
+
+pytestmark = pytest.mark.wire
+
+SPEED = 3.0
+"""Slow enough that the belt is still under way when it has missed its host for long enough."""
+PATIENCE_S = 110.0
+MOVING = 4
+"""Tests that ask before something moves."""
+
+
+@contextmanager
+def cell() -> Iterator[tuple[SimClient, Path]]:
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        own = isolated(cell_config(), Path(name), SPEED)
+        path = Path(name) / "cell.toml"
+        write_config(own, path)
+        with emulated_cell(own, SPEED) as world:
+            yield world, path
+
+
+def suites(path: Path, answer: str) -> subprocess.CompletedProcess[str]:
+    """Run them with an operator who always answers the same."""
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-s", "-p", "no:cacheprovider", "tests/hil"],
+        cwd=REPOSITORY,
+        env={**os.environ, "CELLCTL_HIL_CONFIG": str(path)},
+        input=f"{answer}\n" * 10,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+
+
+def test_the_suites_pass_on_an_emulated_cell_with_an_operator_who_says_yes() -> None:
+    with cell() as (world, path):
+        done = suites(path, "yes")
+        truth = world.truth()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "skipped" not in done.stdout.splitlines()[-1], done.stdout
+    assert done.stdout.count("[yes/no]") == MOVING + 1
+    assert [list(placed) for placed in truth.built], "no part was placed"
+    assert not truth.violations
+
+
+def test_nothing_moves_without_an_operator_who_says_yes() -> None:
+    with cell() as (world, path):
+        before = world.truth()
+        done = suites(path, "no")
+        after = world.truth()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"{MOVING} skipped" in done.stdout.splitlines()[-1], done.stdout
+    assert after.conveyor["motions"] == 0
+    assert after.latch == before.latch
+    assert after.robot["outputs"] == before.robot["outputs"]
+    assert after.parts == before.parts
