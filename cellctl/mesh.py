@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cellctl.assembly import Change
+from cellctl.description import FamilyDescription, PartsDescription
 
 if TYPE_CHECKING:
     import trimesh
@@ -30,11 +31,13 @@ class GeneratedMesh:
     title: str
     """What it is, for people: ``stool with three legs``."""
     provenance: str
-    """Which generator, with what description."""
+    """Which generator, with what description, and why that one, in words for people."""
     stated_dimensions_m: dict[str, float]
     """Sizes that the speaker asked for, by ``width``, ``depth``, ``height``; often empty."""
     changes: tuple[Change, ...] = ()
     """What the generator had to leave out or do differently; the plan passes it on."""
+    description: FamilyDescription | PartsDescription | None = None
+    """What it was made from, to be changed and made again; None where there is none."""
 
     @property
     def mesh(self) -> trimesh.Trimesh:

@@ -20,6 +20,7 @@ from cellctl.cli import (
     commission_command,
     config_commands,
     demo_command,
+    design_command,
     doctor_command,
     ears_commands,
     faults_command,
@@ -67,6 +68,7 @@ def _root(
 for module in (
     run_command,
     demo_command,
+    design_command,
     plan_command,
     paper_command,
     job_commands,

@@ -40,7 +40,7 @@ def make_plan(
     up: Up = "auto",
     progress: Progress | None = None,
 ) -> BuildPlan:
-    """Plan a sentence, or the mesh, cells or plan file of that name.
+    """Plan a sentence, or the mesh, description, cells or plan file of that name.
 
     Args:
         given: the sentence or the file.
@@ -77,8 +77,9 @@ def make_plan(
             request = request.model_copy(update={"dimensions_m": sizes})
         return plan_build(design(request, config), config, inventory, progress)
 
+    from cellctl.control.designing import plan_upload  # noqa: PLC0415
     from cellctl.validating.files import read_mesh  # noqa: PLC0415
-    from cellctl.validating.plan import plan_build, plan_file  # noqa: PLC0415 - heavy
+    from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
 
     path = Path(given)
     if not path.is_file():
@@ -86,7 +87,7 @@ def make_plan(
     if kind == "mesh":
         mesh = read_mesh(path.name, read_file(path), up=up, height_m=height_m)
         return plan_build(mesh, config, inventory, progress)
-    return plan_file(path.name, read_file(path), config, inventory, progress)
+    return plan_upload(path.name, read_file(path), config, inventory, progress)
 
 
 def make_change(
@@ -144,7 +145,8 @@ def register(app: typer.Typer) -> None:
             str,
             typer.Argument(
                 metavar="INPUT",
-                help="A sentence, a mesh (glb, gltf, obj, ply, stl), or cells or a plan (json).",
+                help="A sentence, a mesh (glb, gltf, obj, ply, stl), or a description, cells or a "
+                "plan (json).",
             ),
         ],
         height_m: Annotated[

@@ -10,6 +10,7 @@ from cellctl.assembly import BuildPlan
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.plan_report import InputKind
 from cellctl.config import CellConfig
+from cellctl.description import is_description
 from cellctl.errors import UsageError
 
 Up = Literal["auto", "y", "z"]
@@ -17,13 +18,15 @@ PlanPolicy = Literal["cellctl", "paper"]
 
 
 def input_kind(given: str) -> InputKind:
-    """What an input is, by how it is written: a file by its suffix, else a sentence."""
+    """What an input is: a file by its suffix, and JSON by what it holds, else a sentence."""
     from cellctl.validating.files import MESH_SUFFIXES  # noqa: PLC0415 - heavy
 
     suffix = Path(given).suffix.lower()
     if suffix in MESH_SUFFIXES:
         return "mesh"
-    return "cells" if suffix == ".json" else "sentence"
+    if suffix != ".json":
+        return "sentence"
+    return "description" if _is_description(Path(given)) else "cells"
 
 
 def refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:
@@ -34,8 +37,9 @@ def refuse_misfit(kind: InputKind, height_m: float | None, up: Up) -> None:
     """
     if height_m is not None and not (math.isfinite(height_m) and height_m > 0.0):
         raise UsageError(f"--height-m {height_m:g}: no height.", "Give metres, such as 0.45.")
-    if height_m is not None and kind == "cells":
-        raise UsageError("--height-m: cells have their size already.", "Leave it out.")
+    if height_m is not None and kind in ("cells", "description"):
+        has = "cells have their" if kind == "cells" else "a description has its"
+        raise UsageError(f"--height-m: {has} size already.", "Leave it out.")
     if up != "auto" and kind != "mesh":
         raise UsageError("--up: only a mesh can be turned upright.", "Leave it out.")
 
@@ -80,6 +84,14 @@ def refuse_idle(
             "--policy: a plan is checked by the policy that the cell is configured for.",
             "Leave it out, set planning.policy, or name the plan's cells to plan them anew.",
         )
+
+
+def _is_description(path: Path) -> bool:
+    """Whether a file describes what to make; one that cannot be read is told of later."""
+    try:
+        return is_description(path.read_bytes())
+    except OSError:
+        return False
 
 
 def _is_plan(path: Path) -> bool:

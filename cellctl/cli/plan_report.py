@@ -34,7 +34,7 @@ from cellctl.errors import (
 
 SCHEMA_VERSION: Final = 1
 
-InputKind = Literal["sentence", "mesh", "cells"]
+InputKind = Literal["sentence", "description", "mesh", "cells"]
 """``cells``: a JSON file of cells or of a plan."""
 
 

@@ -19,6 +19,7 @@ from pydantic.fields import FieldInfo
 
 from cellctl import config, errors
 from cellctl.cli.reference_bus import bus_page, reply_schema, request_schema, status_schema
+from cellctl.cli.reference_design import families_page, schema_page
 from cellctl.cli.reference_plan import plan_schema
 from cellctl.cli.reference_states import states_page
 from cellctl.config import machines, place, services
@@ -223,7 +224,9 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "bus-reply.schema.json": reply_schema,
     "bus-request.schema.json": request_schema,
     "bus-status.schema.json": status_schema,
+    "description.schema.json": schema_page,
     "exit-status.md": exit_status_page,
+    "families.md": lambda: families_page(NOTE),
     "faults.md": faults_page,
     "options.md": options_page,
     "plan.schema.json": plan_schema,

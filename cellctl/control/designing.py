@@ -36,14 +36,26 @@ def plan_build(
     return plan.plan_build(mesh, config, available, progress)
 
 
-def plan_file(
+def plan_upload(
     name: str,
     content: bytes,
     config: CellConfig,
-    available: int,
-    progress: Callable[[str], None],
+    available: int | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> BuildPlan:
-    """A plan for a mesh or plan file; see ``validating.plan``."""
+    """A plan for a file: a mesh, a description, cells or a plan; see ``validating.plan``.
+
+    Raises:
+        UsageError: it cannot be read as what it says it is.
+        DesignError: it describes what cannot be designed.
+        PlanError: what it holds cannot be built in this cell.
+    """
+    from cellctl.description import is_description, parse_description  # noqa: PLC0415
     from cellctl.validating import plan  # noqa: PLC0415
 
-    return plan.plan_file(name, content, config, available, progress)
+    if not (name.lower().endswith(".json") and is_description(content)):
+        return plan.plan_file(name, content, config, available, progress)
+    from cellctl.generating.describing import realise  # noqa: PLC0415
+
+    mesh = realise(parse_description(content, name), config, provenance=f"from {name}")
+    return plan.plan_build(mesh, config, available, progress)

@@ -11,7 +11,7 @@ from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
 from cellctl.control.controller import Post
-from cellctl.control.designing import design, plan_build, plan_file
+from cellctl.control.designing import design, plan_build, plan_upload
 from cellctl.control.job import Job, Phase
 from cellctl.control.states import Event
 from cellctl.errors import NoObjectError
@@ -145,7 +145,7 @@ class Wishes:
         assert job.upload is not None
         name, content = job.upload_name, job.upload
         return await call(
-            plan_file, name, content, self._config, available,
+            plan_upload, name, content, self._config, available,
             timeout_s=timeout_s, progress=progress,
         )  # fmt: skip
 

@@ -33,7 +33,7 @@ def design(
     refusals: list[DesignError] = []
     for generator in generators:
         try:
-            return generator.generate(request, config.voxel.pitch_m, config.workspace.size_m)
+            return generator.generate(request, config)
         except DesignError as refusal:
             refusals.append(refusal)
     raise refusals[0] if refusals else DesignError("No generator is configured.")

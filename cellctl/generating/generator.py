@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from cellctl.assembly import Request
+from cellctl.config import CellConfig
 from cellctl.mesh import GeneratedMesh
 
 
@@ -13,15 +14,12 @@ class Generator(Protocol):
 
     name: str
 
-    def generate(
-        self, request: Request, pitch_m: float, workspace_m: tuple[float, float, float]
-    ) -> GeneratedMesh:
+    def generate(self, request: Request, config: CellConfig) -> GeneratedMesh:
         """Design what was asked for.
 
         Args:
             request: with intent ``design``.
-            pitch_m: the cell's voxel pitch, a hint for wall thicknesses.
-            workspace_m: the building space, a hint for default sizes.
+            config: the cell: its pitch and its room, for thicknesses and default sizes.
 
         Raises:
             DesignError: this generator cannot design that; the message says so to the visitor.

@@ -6,75 +6,38 @@ is any mesh, so they are still there after voxelising. It needs no network and n
 
 from __future__ import annotations
 
-import json
-
-from cellctl.assembly import Change, Request
+from cellctl.assembly import Request
+from cellctl.config import CellConfig
 from cellctl.errors import DesignError
-from cellctl.generating.boxes import mesh_of
-from cellctl.generating.families import FAMILIES, find_family
-from cellctl.generating.families.brief import Brief
+from cellctl.generating.describing import describe, realise, repertoire, with_article
 from cellctl.mesh import GeneratedMesh
 
 
-def repertoire() -> str:
-    """What can be designed, as a phrase: ``a stool, a chair, ... or a letter or digit``."""
-    names = [f"a {family.name}" for family in FAMILIES if family.name != "letter"]
-    return f"{', '.join(names)}, or a letter or digit"
-
-
 class ParametricGenerator:
-    """Designs furniture, boxes, towers, letters and digits from descriptions."""
+    """Designs what it has a family for, from descriptions."""
 
-    name = "parametric"
+    name = "description"
 
-    def generate(
-        self, request: Request, pitch_m: float, workspace_m: tuple[float, float, float]
-    ) -> GeneratedMesh:
+    def generate(self, request: Request, config: CellConfig) -> GeneratedMesh:
         """Design what was asked for; metric, z up, its faces on the cells' planes.
 
         Raises:
             DesignError: no family of that name, or one that cannot have what was asked for.
         """
-        found = find_family(request)
+        found = describe(request)
         if found is None:
             wish = request.phrase if request.phrase not in ("", "false") else "that"
-            raise DesignError(
-                f"I cannot design {_article(wish)} yet.", f"I can design {repertoire()}."
+            wish = wish if wish == "that" else with_article(wish)
+            raise UnknownObjectError(
+                f"I cannot design {wish} yet.", f"I can design {repertoire()}."
             )
-        family, noun = found
-        brief = Brief.of(noun, request, pitch_m, workspace_m)
-        design = family.build(brief)
-        description = {
-            "family": family.name,
-            "attributes": {k: v for k, v in request.attributes.items() if k in brief.used},
-            "stated_cells": brief.stated_cells,
-        }
-        vertices, faces = mesh_of(design.boxes, pitch_m)
-        return GeneratedMesh(
-            vertices=vertices,
-            faces=faces,
-            metric=True,
-            title=design.title,
-            provenance=f"from a description: {json.dumps(description, sort_keys=True)}",
-            stated_dimensions_m={str(k): v for k, v in request.dimensions_m.items()},
-            changes=_left_out(brief.unused, noun, request.count),
+        return realise(
+            found.description,
+            config,
+            left_out=found.left_out,
+            stated_m={str(k): v for k, v in request.dimensions_m.items()},
         )
 
 
-def _article(phrase: str) -> str:
-    if phrase == "that":
-        return phrase
-    return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
-
-
-def _left_out(unused: list[str], noun: str, count: int) -> tuple[Change, ...]:
-    changes = [
-        Change(
-            what=f"It comes without the {name} that you asked for.",
-            why=f"I cannot design {name} for a {noun} yet.",
-        )
-        for name in unused
-    ]
-    if count > 1:
-        changes.append(Change(what=f"One {noun}, not {count}.", why="I build one at a time."))
-    return tuple(changes)
+class UnknownObjectError(DesignError):
+    """A generator does not know the object, so that the next one may; other refusals are final."""

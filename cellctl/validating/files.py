@@ -107,7 +107,7 @@ def read_json_plan(name: str, content: bytes) -> BuildPlan | Assembly:
         )
     if not isinstance(data, dict) or not {"steps", "cells"} & data.keys():
         raise UsageError(
-            f"{name}: holds neither a build plan nor cells.",
+            f"{name}: holds neither a build plan, cells nor a description.",
             'Write a plan, or {"cells": [[0, 0, 0]], "pitch_m": 0.1}.',
         )
     try:

@@ -260,7 +260,7 @@ def test_cells_in_a_file_are_planned() -> None:
     [
         ("a.json", b"{", "not valid JSON: .* in line 1"),
         ("a.json", b"\xff\xfe", "not UTF-8"),
-        ("a.json", b"[1, 2]", "neither a build plan nor cells"),
+        ("a.json", b"[1, 2]", "neither a build plan, cells nor a description"),
         ("a.json", b'{"placements": [], "cells": []}', "the report of a plan"),
         ("a.json", b"[" * 100_000, "not JSON that can be read"),
         ("a.json", b"1" * 5000, "not JSON that can be read"),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from cellctl.assembly import Request
+from cellctl.assembly import Attribute
+from cellctl.description import FamilyDescription
 from cellctl.errors import DesignError
 from cellctl.generating.boxes import Box
-
-Attribute = int | str | bool
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
@@ -18,7 +17,9 @@ _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight"
 def counted(number: int, noun: str) -> str:
     """``one leg``, ``two legs``, ``12 legs``."""
     word = _NUMBERS[number] if 0 <= number < len(_NUMBERS) else str(number)
-    return f"{word} {noun}" if number == 1 else f"{word} {noun}s"
+    if number == 1:
+        return f"{word} {noun}"
+    return f"{word} {noun}es" if noun.endswith(("ch", "x", "s")) else f"{word} {noun}s"
 
 
 def titled(noun: str, *features: str) -> str:
@@ -27,60 +28,87 @@ def titled(noun: str, *features: str) -> str:
     return f"{noun} with {' and '.join(said)}" if said else noun
 
 
+@dataclass(frozen=True)
+class Count:
+    """An attribute that is counted in the finished object."""
+
+    least: int
+    most: int
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Flag:
+    """An attribute that is there or not."""
+
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Sign:
+    """An attribute that is one letter, digit or mark."""
+
+    meaning: str
+
+
+Takes = Mapping[str, Count | Flag | Sign]
+
+
 @dataclass
 class Brief:
-    """One wish, measured in cells. It records which attributes a family has honoured."""
+    """One description, measured in cells. It records the attributes that a family decided on."""
 
     noun: str
     attributes: dict[str, Attribute]
     stated_cells: dict[str, int]
     """Stated sizes in whole cells, by ``width``, ``depth``, ``height``; not yet limited."""
     grid: tuple[int, int, int]
-    used: set[str] = field(default_factory=set)
+    takes: Takes
+    values: dict[str, Attribute] = field(default_factory=dict)
+    """What each attribute came to be, stated or by default."""
 
     @classmethod
     def of(
-        cls, noun: str, request: Request, pitch_m: float, workspace_m: tuple[float, float, float]
+        cls, description: FamilyDescription, family: Family, pitch_m: float, grid: tuple[int, ...]
     ) -> Brief:
-        """Measure a request in cells of one pitch."""
-        nx, ny, nz = (int(edge / pitch_m + 1e-9) for edge in workspace_m)
+        """Measure a description in cells of one pitch."""
+        nx, ny, nz = grid
         stated: dict[str, int] = {
             name: max(1, math.floor(size_m / pitch_m + 0.5))
-            for name, size_m in request.dimensions_m.items()
+            for name, size_m in description.size_m.items()
         }
-        return cls(noun, dict(request.attributes), stated, (nx, ny, nz))
+        noun = description.noun or family.name
+        return cls(noun, dict(description.attributes), stated, (nx, ny, nz), family.takes)
 
-    @property
-    def unused(self) -> list[str]:
-        """Attributes that were asked for and that nothing has honoured."""
-        return sorted(
-            name
-            for name, value in self.attributes.items()
-            if name not in self.used and value is not False
-        )
-
-    def whole(self, name: str, default: int, least: int, most: int) -> int:
+    def count(self, name: str, default: int) -> int:
         """A counted attribute, such as ``legs``.
 
         Raises:
             DesignError: a number that this family cannot have.
         """
-        self.used.add(name)
+        known = self.takes[name]
+        assert isinstance(known, Count), name
         value = self.attributes.get(name)
-        if isinstance(value, bool) or not isinstance(value, int):
-            return default
-        if not least <= value <= most:
-            part = name.removesuffix("s")
-            limit = f"at least {counted(least, part)}" if value < least else f"at most {most}"
+        if value is None or isinstance(value, bool) or not isinstance(value, int):
+            value = default
+        elif not known.least <= value <= known.most:
+            part = name.removesuffix("es") if name == "arches" else name.removesuffix("s")
+            limit = (
+                f"at least {counted(known.least, part)}"
+                if value < known.least
+                else f"at most {known.most}"
+            )
             raise DesignError(
                 f"I cannot design a {self.noun} with {counted(value, part)}; {limit} here."
             )
+        self.values[name] = value
         return value
 
     def flag(self, name: str, default: bool) -> bool:
         """An attribute that is there or not, such as ``back``."""
-        self.used.add(name)
-        return bool(self.attributes.get(name, default))
+        value = bool(self.attributes.get(name, default))
+        self.values[name] = value
+        return value
 
     def size(
         self, width: int, depth: int, height: int, least: tuple[int, int, int] = (1, 1, 1)
@@ -102,10 +130,17 @@ class Brief:
             max(least[2], min(wanted[2], nz)),
         )
 
+    def refuse_short(self, what: str, height: int) -> DesignError:
+        """That so much does not fit into a height that was asked for, to be raised."""
+        return DesignError(
+            f"I cannot fit {what} into a {self.noun} {height} parts high.",
+            "Ask for fewer, or for more height.",
+        )
+
 
 @dataclass(frozen=True)
 class Design:
-    """A finished description: boxes in cells, z up, and what it is called."""
+    """A finished description: boxes in cells, z up, its front towards -y, and what it is called."""
 
     title: str
     boxes: tuple[Box, ...]
@@ -119,3 +154,5 @@ class Family:
     nouns: tuple[str, ...]
     """Every singular noun that means it; the first is the family's own."""
     build: Callable[[Brief], Design]
+    takes: Takes = field(default_factory=dict)
+    """The attributes it honours."""

@@ -1,4 +1,4 @@
-"""Things that hold things: shelf, bookcase, box."""
+"""Things that hold things: shelf, bookcase, box, chest of drawers, wardrobe."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ from itertools import pairwise
 
 from cellctl.errors import DesignError
 from cellctl.generating.boxes import Box
-from cellctl.generating.families.brief import Brief, Design, Family, counted, titled
+from cellctl.generating.families.brief import (
+    Brief,
+    Count,
+    Design,
+    Family,
+    Flag,
+    counted,
+    titled,
+)
 
-_MOST_TIERS = 3
-"""One cell of tier and one of room above each, in the paper's six layers."""
-
+_MOST_TIERS = 6
 
 _TIER_THICKNESS = 0.5
 """In cells. A tier inside the shelf, thinner than its cell, stays in one layer when the whole shape
@@ -38,13 +44,26 @@ def _tier_layers(tiers: int, height: int, noun: str) -> tuple[int, ...]:
 
 
 def shelf(brief: Brief) -> Design:
-    """Two side panels and full tiers: two by default, three for a bookcase."""
-    bookcase = brief.noun in ("bookcase", "bookshelf")
-    tiers = brief.whole("tiers", 3 if bookcase else 2, 1, _MOST_TIERS)
+    """Two side panels and two full tiers, or as many as asked for."""
+    return _shelf(brief, 2)
+
+
+def bookcase(brief: Brief) -> Design:
+    """A shelf of three tiers."""
+    return _shelf(brief, 3)
+
+
+def _shelf(brief: Brief, usual_tiers: int) -> Design:
+    tiers = brief.count("tiers", usual_tiers)
     back = brief.flag("back", False)
-    default = {1: (5, 2, 3), 2: (6, 3, 6), 3: (5, 2, 5)}[tiers]
+    default = {1: (5, 2, 3), 2: (6, 3, 6), 3: (5, 2, 5)}.get(tiers, (4, 2, 2 * tiers - 1))
     if back:
-        default = (4, 2, default[2] if tiers == 1 else 5)
+        default = (4, 2, default[2] if tiers != 2 else 5)
+    most = (brief.grid[2] + 1) // 2
+    if tiers > most:
+        raise DesignError(
+            f"I cannot design a {brief.noun} with {counted(tiers, 'tier')}; at most {most} here."
+        )
     width, depth, height = brief.size(*default, least=(3, 1, 2))
     layers = _tier_layers(tiers, height, brief.noun)
     boxes = [Box(x, 0, 0, 1, depth, height) for x in (0, width - 1)]
@@ -57,7 +76,7 @@ def shelf(brief: Brief) -> Design:
 
 def box(brief: Brief) -> Design:
     """A box, open at the top unless a lid is asked for; its walls are one cell thick."""
-    lid = brief.flag("lid", False)
+    lid = brief.flag("lid", brief.noun in ("chest", "treasure chest"))
     width, depth, height = brief.size(4, 3, 3, least=(3, 3, 2 + lid))
     right, rear = width - 1, depth - 1
     boxes = [
@@ -69,10 +88,78 @@ def box(brief: Brief) -> Design:
     ]
     if lid:
         boxes.append(Box(0, 0, height - 1, width, depth, 1))
-    return Design(titled("box", "a lid" if lid else ""), tuple(boxes))
+    return Design(titled(brief.noun, "a lid" if lid else ""), tuple(boxes))
+
+
+def drawers(brief: Brief) -> Design:
+    """A chest of drawers: each front stands out from the block, with room above it, and counts.
+
+    Up to three lie above each other; more stand in two columns.
+    """
+    number = brief.count("drawers", 1 if brief.noun in _LOW else 3)
+    columns = 1 if number <= 3 else 2
+    rows = -(-number // columns)
+    width, depth, height = brief.size(
+        3 if columns == 1 else 5,
+        3 if number <= 4 else 2,
+        max(2, 2 * rows - (rows > 2)),
+        least=(2 * columns + 1, 2, 1),
+    )
+    if height < 2 * rows - 1:
+        raise brief.refuse_short(counted(number, "drawer"), height)
+    front = width if columns == 1 else (width - 1) // 2
+    places = (0,) if columns == 1 else (0, width - front)
+    fronts = [(x, 2 * row) for row in range(rows) for x in places][:number]
+    boxes = [
+        Box(0, 1, 0, width, depth - 1, height),
+        *(Box(x, 0, z, front, 1, 1) for x, z in fronts),
+    ]
+    return Design(titled(brief.noun, counted(number, "drawer")), tuple(boxes))
+
+
+_LOW = ("nightstand", "night table", "bedside cabinet")
 
 
 FAMILIES = (
-    Family("shelf", ("shelf", "bookcase", "bookshelf", "rack"), shelf),
-    Family("box", ("box", "crate", "chest"), box),
+    Family(
+        "shelf",
+        ("shelf", "rack", "shoe rack", "shelving unit"),
+        shelf,
+        {
+            "tiers": Count(1, _MOST_TIERS, "Full layers, with room between them."),
+            "back": Flag("A panel at the rear."),
+        },
+    ),
+    Family(
+        "bookcase",
+        ("bookcase", "bookshelf"),
+        bookcase,
+        {
+            "tiers": Count(1, _MOST_TIERS, "Full layers, with room between them."),
+            "back": Flag("A panel at the rear."),
+        },
+    ),
+    Family(
+        "box",
+        ("box", "crate", "chest", "treasure chest", "toolbox", "planter", "bin", "trough"),
+        box,
+        {"lid": Flag("Closed at the top.")},
+    ),
+    Family(
+        "chest of drawers",
+        (
+            "chest of drawers",
+            "dresser",
+            "cabinet",
+            "drawer",
+            "sideboard",
+            "nightstand",
+            "night table",
+            "bedside cabinet",
+            "filing cabinet",
+            "commode",
+        ),
+        drawers,
+        {"drawers": Count(1, 6, "Drawers, each with a handle that stands out.")},
+    ),
 )

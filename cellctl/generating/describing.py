@@ -1,0 +1,186 @@
+"""From a request to a description, and from a description to a shape."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cellctl.assembling.poses import inverse, to_matrix
+from cellctl.assembly import Attribute, Change, Request
+from cellctl.config import CellConfig
+from cellctl.description import FamilyDescription, PartsDescription
+from cellctl.errors import DesignError
+from cellctl.generating.boxes import mesh_of
+from cellctl.generating.families import BY_NAME, FAMILIES, find_family
+from cellctl.generating.families.brief import Brief, Count, Design, Family, Flag
+from cellctl.generating.solids import mesh_of_parts
+from cellctl.mesh import GeneratedMesh
+
+_MOST_M = 10.0
+"""Beyond this a stated size is only told to be too large; see ``description.Length``."""
+
+
+@dataclass(frozen=True)
+class Described:
+    """A description that a request asks for, and what of the request is not in it."""
+
+    description: FamilyDescription
+    left_out: tuple[Change, ...]
+
+
+def repertoire() -> str:
+    """What can be designed, as a phrase: ``a stool, a chair, ... or a letter or digit``."""
+    names = [f"{with_article(family.name)}" for family in FAMILIES if family.name != "letter"]
+    return f"{', '.join(names)}, or a letter or digit"
+
+
+def with_article(phrase: str) -> str:
+    """``a stool``, ``an arch``; plural names such as ``steps`` stay alone."""
+    if phrase.endswith("s") and not phrase.endswith(("ss", "us", "glass")):
+        return phrase
+    return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
+
+
+def describe(request: Request) -> Described | None:
+    """The description of what was asked for; None where no family means it."""
+    found = find_family(request)
+    if found is None:
+        return None
+    family, noun = found
+    known = {k: v for k, v in request.attributes.items() if k in family.takes}
+    unknown = {k: v for k, v in request.attributes.items() if k not in family.takes}
+    description = FamilyDescription(
+        family=family.name,
+        noun="" if noun == family.name else noun,
+        attributes=known,
+        size_m={axis: min(size_m, _MOST_M) for axis, size_m in request.dimensions_m.items()},
+    )
+    return Described(description, _left_out(unknown, noun, request.count))
+
+
+def _left_out(unknown: dict[str, Attribute], noun: str, count: int) -> tuple[Change, ...]:
+    changes = []
+    for name, value in sorted(unknown.items()):
+        if name in ("colour", "color"):
+            changes.append(Change(what=f"It is not {value}.", why="All parts have one colour."))
+        elif value is not False and value != 0:
+            changes.append(
+                Change(
+                    what=f"It comes without the {name} that you asked for.",
+                    why=f"I cannot design {name} for {with_article(noun)} yet.",
+                )
+            )
+    if count > 1:
+        changes.append(Change(what=f"One {noun}, not {count}.", why="I build one at a time."))
+    return tuple(changes)
+
+
+def check_description(description: FamilyDescription) -> Family:
+    """The family of a description that somebody wrote, when all it states is known there.
+
+    Raises:
+        DesignError: no such family, or an attribute that it does not have.
+    """
+    family = BY_NAME.get(description.family)
+    if family is None:
+        raise DesignError(
+            f"There is no family {description.family!r}.", f"There are {', '.join(BY_NAME)}."
+        )
+    for name, value in description.attributes.items():
+        known = family.takes.get(name)
+        if known is None:
+            others = ", ".join(family.takes) or "none"
+            raise DesignError(
+                f"{with_article(family.name).capitalize()} has no attribute {name!r}.",
+                f"Its attributes: {others}.",
+            )
+        right = (
+            isinstance(value, bool)
+            if isinstance(known, Flag)
+            else isinstance(value, int) and not isinstance(value, bool)
+            if isinstance(known, Count)
+            else isinstance(value, str | int)
+        )
+        if not right:
+            kind = "true or false" if isinstance(known, Flag) else "a whole number"
+            raise DesignError(f"The attribute {name!r} is {kind}, not {value!r}.")
+    return family
+
+
+def realise(
+    description: FamilyDescription | PartsDescription,
+    config: CellConfig,
+    *,
+    provenance: str = "from a description",
+    left_out: tuple[Change, ...] = (),
+    stated_m: dict[str, float] | None = None,
+) -> GeneratedMesh:
+    """The shape of a description: metric, z up, a family's faces on the cells' planes.
+
+    Args:
+        description: what to make.
+        config: the cell: its pitch, its room, and on which side its visitors stand.
+        provenance: what to say of where it comes from; the description follows.
+        left_out: what of a request is not in it.
+        stated_m: the sizes to compare the outcome with; the description's own for None.
+
+    Raises:
+        DesignError: the family cannot have what the description states.
+    """
+    if isinstance(description, PartsDescription):
+        vertices, faces = mesh_of_parts(description)
+        title, stated = description.title, {}
+        complete: FamilyDescription | PartsDescription = description
+        told = json.dumps({"parts": len(description.parts)})
+    else:
+        design, values = draw(description, config)
+        vertices, faces = mesh_of(design.boxes, config.voxel.pitch_m)
+        title = design.title
+        stated = {str(k): v for k, v in description.size_m.items()}
+        complete = description.model_copy(update={"attributes": values})
+        told = json.dumps(complete.model_dump(exclude_defaults=True), sort_keys=True)
+    if faces_visitors_by_turning(config):
+        vertices = vertices * np.array([-1.0, -1.0, 1.0])
+    return GeneratedMesh(
+        vertices=vertices,
+        faces=faces,
+        metric=True,
+        title=title,
+        provenance=f"{provenance}: {told}",
+        stated_dimensions_m=stated if stated_m is None else stated_m,
+        changes=left_out,
+        description=complete,
+    )
+
+
+def draw(description: FamilyDescription, config: CellConfig) -> tuple[Design, dict[str, Attribute]]:
+    """The boxes of a family's description, and what each of its attributes came to be.
+
+    Raises:
+        DesignError: the family cannot have what the description states.
+    """
+    family = check_description(description)
+    brief = Brief.of(description, family, config.voxel.pitch_m, config.grid)
+    return family.build(brief), brief.values
+
+
+def size_cells(design: Design) -> tuple[int, int, int]:
+    """Extent of a design in cells along x, y and z."""
+    spans = []
+    for axis, extent in ((0, 3), (1, 4), (2, 5)):
+        low = min(box[axis] for box in design.boxes)
+        high = max(box[axis] + box[extent] for box in design.boxes)
+        spans.append(math.ceil(high - low - 1e-9))
+    return (spans[0], spans[1], spans[2])
+
+
+def faces_visitors_by_turning(config: CellConfig) -> bool:
+    """Whether a design, drawn with its front towards -y, has to be turned about the vertical.
+
+    Visitors stand opposite the robot; a letter is to be read, and a chair seen, from there.
+    """
+    base = inverse(to_matrix(config.workspace.frame)) @ to_matrix(config.base.frame)
+    return bool(base[1, 3] < config.workspace.size_m[1] / 2)

@@ -1,0 +1,110 @@
+"""Figures that are drawn: a person, a robot, birds and fish, a heart, an arrow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cellctl.generating.boxes import Box
+from cellctl.generating.families.brief import Brief, Count, Design, Family, Flag, titled
+from cellctl.generating.families.forms import at_height, lying, standing
+
+
+def person(brief: Brief) -> Design:
+    """Somebody who stands with arms held out, feet to the front."""
+    arms = brief.flag("arms", True)
+    brief.count("legs", 2)
+    shoulders = "#####" if arms else ".###."
+    rows = ("..#..", shoulders, ".###.", ".###.", ".#.#.", ".#.#.")
+    _, depth, height = brief.size(5, 2, 6, least=(5, 1, 4))
+    drawn = (
+        (*rows[:3], *at_height(rows[3:], height - 3)) if height >= 6 else at_height(rows, height)
+    )
+    figure = standing(drawn, 1, y=depth - 1)
+    feet = tuple(Box(x, 0, 0, 1, depth, 1) for x in (1, 3))
+    return Design(titled(brief.noun, "" if arms else "no arms"), (*figure, *feet))
+
+
+def robot(brief: Brief) -> Design:
+    """A square head with an antenna on a broad chest, two arms, two legs."""
+    brief.count("legs", 2)
+    rows = (".###.", "#####", "#####", ".###.", ".#.#.")
+    _, depth, height = brief.size(5, 2, 6, least=(5, 1, 5))
+    drawn = (*rows[:2], *at_height(rows[2:], height - 3))
+    return Design(
+        brief.noun,
+        (*standing(drawn, depth), Box(2, depth - 1, len(drawn), 1, 1, 1)),
+    )
+
+
+def snake(brief: Brief) -> Design:
+    """A winding body on the floor, its head raised."""
+    height = brief.size(6, 5, 3, least=(6, 5, 2))[2]
+    body = lying(("####..", "...#..", "...###", ".....#", "..####"), 0)
+    return Design(
+        brief.noun, (*body, Box(2, 0, 1, 1, 1, height - 1), Box(1, 0, height - 1, 1, 1, 1))
+    )
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A front view of one thickness."""
+
+    nouns: tuple[str, ...]
+    rows: tuple[str, ...]
+    depth: int = 1
+
+
+DRAWINGS: dict[str, Drawing] = {
+    "duck": Drawing(
+        ("duck", "bird", "swan", "goose", "duckling", "rubber duck", "dove"),
+        (".##...", "###...", ".##..#", ".#####", ".####.", "..##.."),
+        2,
+    ),
+    "fish": Drawing(
+        ("fish", "shark", "dolphin", "goldfish"),
+        ("..##.#", ".#####", "######", ".#####", "..##.#"),
+    ),
+    "heart": Drawing(("heart", "love heart"), (".#.#.", "#####", "#####", ".###.", "..#..")),
+    "arrow": Drawing(("arrow",), ("..#..", ".###.", "#####", "..#..", "..#..")),
+}
+"""By family."""
+
+
+def _drawn(drawing: Drawing) -> Callable[[Brief], Design]:
+    def figure(brief: Brief) -> Design:
+        width, height = len(drawing.rows[0]), len(drawing.rows)
+        _, depth, height = brief.size(width, drawing.depth, height)
+        return Design(brief.noun, standing(at_height(drawing.rows, height), depth))
+
+    figure.__doc__ = f"A {drawing.nouns[0]}, drawn from its side."
+    return figure
+
+
+_STANDS = Count(2, 2, "It stands on two.")
+
+FAMILIES = (
+    Family(
+        "person",
+        (
+            "person",
+            "man",
+            "woman",
+            "child",
+            "boy",
+            "girl",
+            "doll",
+            "human",
+            "figure",
+            "statue",
+            "mannequin",
+            "scarecrow",
+            "people",
+        ),
+        person,
+        {"arms": Flag("Arms held out."), "legs": _STANDS},
+    ),
+    Family("robot", ("robot", "android"), robot, {"legs": _STANDS}),
+    Family("snake", ("snake", "worm", "serpent"), snake),
+    *(Family(name, drawing.nouns, _drawn(drawing)) for name, drawing in DRAWINGS.items()),
+)
