@@ -160,10 +160,10 @@ class ConveyorEmulator(BoardEmulator):
 
     def _act_at_rest(self, line: CommandLine) -> Reply:
         """Answer a command that begins no motion; carrying it out again changes nothing."""
-        if line.command not in COMMANDS[BoardRole.CONVEYOR]:
-            return error_reply(line, ErrorCode.COMMAND)
         if line.argument is not None:
             return error_reply(line, ErrorCode.ARGUMENT)
+        if line.command not in COMMANDS[BoardRole.CONVEYOR]:
+            return error_reply(line, ErrorCode.COMMAND)
         match line.command:
             case Command.STATUS:
                 pass

@@ -140,8 +140,6 @@ class GripperBoardEmulator(BoardEmulator):
 
     def _act(self, line: CommandLine) -> Reply:
         self._last = line.sequence
-        if line.command not in COMMANDS[BoardRole.GRIPPER]:
-            return error_reply(line, ErrorCode.COMMAND)
         for setting, (register, least, most) in _SETS.items():
             if line.command == setting:
                 return self._calibrate(line, register, range(least, most + 1))
@@ -151,6 +149,8 @@ class GripperBoardEmulator(BoardEmulator):
             return self._reply(line, self._register(Register(line.argument)))
         if line.argument is not None:
             return error_reply(line, ErrorCode.ARGUMENT)
+        if line.command not in COMMANDS[BoardRole.GRIPPER]:
+            return error_reply(line, ErrorCode.COMMAND)
         return self._act_plainly(line)
 
     def _calibrate(self, line: CommandLine, register: Register, allowed: range) -> Reply:

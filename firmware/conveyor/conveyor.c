@@ -87,20 +87,22 @@ void conveyor_answer(struct conveyor *conveyor, const struct command *command, s
         answer_index(conveyor, command, reply);
         return;
     }
-    bool halts = command->letter == PROTOCOL_COMMAND_HALT;
-    bool clears = command->letter == PROTOCOL_COMMAND_CLEAR;
-    if (!halts && !clears && command->letter != PROTOCOL_COMMAND_STATUS) {
-        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
-        return;
-    }
     if (command->has_argument) {
         reply_error(reply, command, PROTOCOL_ERROR_ARGUMENT);
         return;
     }
-    if (halts) {
+    switch (command->letter) {
+    case PROTOCOL_COMMAND_STATUS:
+        break;
+    case PROTOCOL_COMMAND_HALT:
         belt_halt(&conveyor->belt);
-    } else if (clears) {
+        break;
+    case PROTOCOL_COMMAND_CLEAR:
         conveyor->belt.latched = INDEX_NONE;
+        break;
+    default:
+        reply_error(reply, command, PROTOCOL_ERROR_COMMAND);
+        return;
     }
     reply_belt(conveyor, command, PROTOCOL_REPLY_OK, reply);
 }

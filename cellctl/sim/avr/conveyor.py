@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from cellctl.assembly import Value
@@ -17,6 +18,8 @@ STEP_M: Final = 0.001 / 40
 """Of the belt, for each of the motor's steps."""
 PIECE_S: Final = 0.002
 """The sensor's level is handed on after each such piece of a motion, which is 0.2 mm of belt."""
+REST_S: Final = 0.01
+"""A motor that was not told to step for this long stands still; its slowest step takes 3 ms."""
 _PART: Final = "PA4"
 """Low while the sensor sees a part."""
 _STALL: Final = "PA5"
@@ -44,6 +47,8 @@ class FirmwareConveyor(FirmwareBoard):
         )
         self._world = world
         self._backward = self._powered = self._saw_part = False
+        self._stepped_s = -math.inf
+        """When the motor was last told to step, in the board's time."""
         self._travel_m = self._motion_m = self._turning_m = 0.0
         self._motions = self._indexes = 0
         self._error: ErrorCode | None = None
@@ -51,7 +56,7 @@ class FirmwareConveyor(FirmwareBoard):
     def truth(self) -> ConveyorTruth:
         """What is really so."""
         return ConveyorTruth(
-            moving=self._powered,
+            moving=self._moving,
             travel_m=self._travel_m,
             motions=self._motions,
             indexes=self._indexes,
@@ -63,8 +68,8 @@ class FirmwareConveyor(FirmwareBoard):
 
     def _advance(self, dt_s: float, serial: bytes) -> None:
         while dt_s > 0.0:
-            piece_s = min(dt_s, PIECE_S) if self._powered or serial else dt_s
-            stalled = self._powered and self._faults.get(Stall) is not None
+            piece_s = min(dt_s, PIECE_S) if self._moving or serial else dt_s
+            stalled = self._moving and self._faults.get(Stall) is not None
             pins = {_PART: "L" if self._sensor() else "Z", _STALL: "H" if stalled else "L"}
             for change in self._run(piece_s, pins, serial).changes:
                 self._follow(change)
@@ -77,6 +82,10 @@ class FirmwareConveyor(FirmwareBoard):
         """Step, direction (high is backward), and enable, which is low for current."""
         match change.pin:
             case "PA1" if self._powered:
+                if change.time_s - self._stepped_s > REST_S:
+                    self._motions += 1
+                    self._motion_m = 0.0
+                self._stepped_s = change.time_s
                 self._turning_m += STEP_M
             case "PA2":
                 self._turn_belt()
@@ -84,9 +93,10 @@ class FirmwareConveyor(FirmwareBoard):
             case "PA3":
                 self._turn_belt()
                 self._powered = not change.high
-                if self._powered:
-                    self._motions += 1
-                    self._motion_m = 0.0
+
+    @property
+    def _moving(self) -> bool:
+        return self.simulator.time_s - self._stepped_s <= REST_S
 
     def _turn_belt(self) -> None:
         distance_m, self._turning_m = self._turning_m, 0.0
@@ -103,7 +113,7 @@ class FirmwareConveyor(FirmwareBoard):
 
     def _count_index(self) -> None:
         sees_part = self._world.part_at_pick()
-        if sees_part and not self._saw_part and self._powered and not self._backward:
+        if sees_part and not self._saw_part and self._moving and not self._backward:
             self._indexes += 1
         self._saw_part = sees_part
 

@@ -159,7 +159,7 @@ def test_the_gripper_tells_and_is_calibrated(grip: Bench) -> None:
     grip.hand.open()
     assert grip.host.ask(10, Command.TRAVEL, 200).kind is ReplyKind.OK
     assert grip.host.ask(11, Command.LATCH_PULSE, PULSE_MAX_US + 1).error is ErrorCode.ARGUMENT
-    assert grip.host.ask(12, Command.FORWARD, PITCH).error is ErrorCode.COMMAND
+    assert grip.host.ask(12, Command.HALT).error is ErrorCode.COMMAND
     grip.command(False)
     assert grip.until_status(True) == pytest.approx(0.205, abs=0.01)
     kept = grip.host.ask(13, Command.KEEP)
@@ -228,8 +228,7 @@ def test_what_cannot_be_done_is_refused(belt: Bench) -> None:
     ask = belt.host.ask
     for argument in (None, PITCH_MIN - 1, PITCH_MAX + 1):
         assert ask(1, Command.FORWARD, argument).error is ErrorCode.ARGUMENT
-    for argument in (None, 1):
-        assert ask(2, Command.SELF_TEST, argument).error is ErrorCode.COMMAND
+    assert ask(2, Command.SELF_TEST).error is ErrorCode.COMMAND
     assert ask(3, Command.STATUS, 1).error is ErrorCode.ARGUMENT
     assert ask(2, Command.STATUS).error is ErrorCode.STALE
     assert ask(4, Command.FORWARD, PITCH).kind is ReplyKind.BUSY
@@ -250,11 +249,14 @@ def test_a_halt_ends_the_index_for_good(belt: Bench) -> None:
 
 
 def test_a_silent_host_stops_the_belt_in_time(belt: Bench) -> None:
+    asked_s = moved_s = belt.time_s
+    travel_m = 0.0
     belt.host.ask(1, Command.FORWARD, PITCH)
-    asked_s = belt.time_s
     while belt.conveyor.truth().moving:
         belt.advance(STEP_S)
-    assert 0.8 * SILENCE_S <= belt.time_s - asked_s <= 0.25
+        if belt.conveyor.truth().travel_m != travel_m:
+            travel_m, moved_s = belt.conveyor.truth().travel_m, belt.time_s
+    assert 0.9 * SILENCE_S <= moved_s - asked_s <= 0.25
     assert belt.host.ask(1, Command.FORWARD, PITCH).error is ErrorCode.SILENCE
     assert belt.host.finish(2).kind is ReplyKind.OK
 
