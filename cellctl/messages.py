@@ -12,7 +12,17 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
-from cellctl.assembly import BuildPlan, Cell, Change, Check, Request, Role, Utterance, Value
+from cellctl.assembly import (
+    BuildPlan,
+    Cell,
+    Change,
+    Check,
+    Request,
+    Role,
+    StepKind,
+    Utterance,
+    Value,
+)
 from cellctl.config import Vector
 from cellctl.errors import FaultEntry, Notice
 
@@ -59,9 +69,10 @@ class StateData(Value):
 
 
 class PartOutcome(Value):
-    """One part of a job, after it was placed."""
+    """One step of a job, after its part was placed, or taken off and brought away."""
 
     step: int
+    kind: StepKind = StepKind.PLACE
     cell: Cell
     seconds: float
     """Cell time from the end of the part before to the end of this one."""
@@ -70,9 +81,10 @@ class PartOutcome(Value):
     retries: int = 0
 
 
-Outcome = Literal[
-    "", "built", "cancelled", "declined", "unreadable", "no_object", "cannot_plan", "failed"
-]
+Outcome = (
+    Literal["", "built", "taken_apart", "cancelled", "declined"]
+    | Literal["unreadable", "no_object", "cannot_plan", "failed"]
+)
 """How a job ended; empty while it is under way. ``unreadable``: the recording or file cannot be
 used, or there is nothing to recognise speech with; ``failed``: a worker did not do its work."""
 
@@ -93,6 +105,7 @@ class JobData(Value):
     plan_id: str = ""
     parts_total: int = 0
     parts_placed: int = 0
+    """Steps that are done; ``parts_total`` counts parts to place and to take off."""
     predicted_s: float | None = None
     checks: tuple[Check, ...] = ()
     changes: tuple[Change, ...] = ()
@@ -104,7 +117,7 @@ class JobData(Value):
 
 
 class PartData(Value):
-    """Topic ``part``: a part was placed."""
+    """Topic ``part``: a part was placed or taken off; the counts are of the plan's steps."""
 
     job_id: str
     outcome: PartOutcome
@@ -146,7 +159,8 @@ class ConveyorData(Value):
 class GripperData(Value):
     """Topic ``gripper``: what the latch holds, as far as the cell knows, and its board."""
 
-    holding: Literal["nothing", "part", "latching", "releasing"]
+    holding: Literal["nothing", "part", "latching", "releasing", "gripped"]
+    """``gripped``: it has closed on a part that still stands."""
     board: BoardData | None = None
     """None while its serial port is not connected, which it need not be."""
     resets: int = 0
@@ -328,7 +342,9 @@ class ConfirmCommand(Value):
 class PlainCommand(Value):
     """A command without arguments."""
 
-    command: Literal["pause", "resume", "stop", "cancel", "reset", "clear", "hand_over"]
+    command: Literal[
+        "pause", "resume", "stop", "cancel", "reset", "clear", "hand_over", "take_apart"
+    ]
 
 
 class RefillCommand(Value):

@@ -20,8 +20,9 @@ from cellctl.assembling.kinematics import Kinematics, same_configuration
 from cellctl.assembling.obstacles import highest_below
 from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
 from cellctl.assembling.route_check import Leg, Route, RouteChecker, Scene, Stance
+from cellctl.assembling.take_off import TakeOffRoutes
 from cellctl.assembling.timing import duration_s
-from cellctl.assembly import Cell, Value
+from cellctl.assembly import Cell, TakeOff, Value
 from cellctl.config import CellConfig, Joints, Pose, Vector
 from cellctl.errors import PlanError
 
@@ -60,6 +61,7 @@ class RoutePlanner:
         home_rad = config.robot.home_rad
         self.home = Stance(self._tcp_of(home_rad), home_rad)
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
+        self._taking = TakeOffRoutes(config, self._frames, self._checker)
 
     def pick_stance(self) -> Stance:
         """Gripping the part at the pick station.
@@ -104,6 +106,61 @@ class RoutePlanner:
             raise PlanError(f"{_name(cell)} is already occupied.")
         scene = self._checker.scene(placed, carrying=True)
         return self._route(start or self.pick_stance(), self.place_stance(cell), scene)
+
+    def to_grip(self, cell: Cell, placed: Collection[Cell], start: Stance) -> Route:
+        """With an open gripper from anywhere to a part that stands.
+
+        Raises:
+            PlanError: there is no such way, or no part stands there.
+        """
+        if cell not in placed:
+            raise PlanError(f"No part stands at {_name(cell)}.")
+        scene = self._checker.scene(placed, carrying=False)
+        return self._route(start, self.place_stance(cell), scene)
+
+    def take_off(
+        self, cell: Cell, way: TakeOff, placed: Collection[Cell], start: Stance | None = None
+    ) -> Route:
+        """With the latch closed on a part that stands: part it from its neighbours as stated, and
+        lift it clear of them, upright again.
+
+        Args:
+            cell: where the part stands.
+            way: how it comes off.
+            placed: what stands, the part included.
+            start: where the arm is, near the part; gripping it unless told otherwise.
+
+        Raises:
+            PlanError: there is no room for it.
+        """
+        start = start or self.place_stance(cell)
+        return self._taking.take_off(cell, way, frozenset(placed) - {cell}, start)
+
+    def back_to_grip(self, cell: Cell, placed: Collection[Cell], start: Stance) -> Route:
+        """With a part in the latch that is hardly off its place straight back to it.
+
+        Raises:
+            PlanError: there is no such way.
+        """
+        return self._taking.back(cell, frozenset(placed) - {cell}, start)
+
+    def upright(self, start: Stance, placed: Collection[Cell]) -> Route:
+        """With a tilted part in the gripper straight up, until nothing that stands is as high, and
+        then upright; no movement where it is upright.
+
+        Raises:
+            PlanError: something is in the way, or it is out of reach.
+        """
+        return self._taking.upright(start, placed)
+
+    def to_station(self, placed: Collection[Cell], start: Stance) -> Route:
+        """With a part in the gripper to the pick station, where the belt has room for it.
+
+        Raises:
+            PlanError: there is no such way.
+        """
+        scene = self._checker.scene(placed, carrying=True)
+        return self._route(start, self.pick_stance(), scene)
 
     def to_home(self, start: Stance, placed: Collection[Cell], *, carrying: bool) -> Route:
         """From anywhere to where the arm rests.

@@ -26,6 +26,7 @@ _SILENCE_S = 15.0
 
 OUTCOME_STATUS = {
     "built": ExitStatus.DONE,
+    "taken_apart": ExitStatus.DONE,
     "cancelled": ExitStatus.DIFFERS,
     "declined": ExitStatus.DIFFERS,
     "unreadable": ExitStatus.USAGE,
@@ -33,6 +34,9 @@ OUTCOME_STATUS = {
     "cannot_plan": ExitStatus.CANNOT_PLAN,
     "failed": ExitStatus.INTERNAL,
 }
+
+
+_BUSY = frozenset({"feeding", "assembling", "disassembling"})
 
 
 class Follower:
@@ -69,9 +73,9 @@ class Follower:
 
     def _state(self, data: StateData) -> None:
         top = data.state.split("_", maxsplit=1)[0]
-        if top in {"feeding", "assembling"}:
+        if top in _BUSY:
             self._progress.update(self._bar, description=data.state.replace("_", ": "))
-            if self._said in {"feeding", "assembling"}:
+            if self._said in _BUSY:
                 return
         self._said = top
         self._console.print(f"[cyan]{data.state.replace('_', ': '):<26}[/] {data.sentence}")

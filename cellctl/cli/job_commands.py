@@ -25,7 +25,7 @@ _PLAIN = {
     "stop": "Brake now; the part stays in the gripper. This is no emergency stop.",
     "cancel": "End the job; what stands stays.",
     "reset": "Clear a fault; the cell is paused then, and nothing moves.",
-    "clear": "Tell that what stood was taken apart; its parts are in the stock again.",
+    "clear": "Tell that you took apart what stood; its parts are in the stock again.",
 }
 
 
@@ -99,6 +99,20 @@ def register(app: typer.Typer) -> None:
         """Answer "Shall I build it?" with no."""
         with client(config, role, key) as cell:
             _tell(cell.confirm(False))
+
+    @app.command()
+    def take_apart(
+        wait: WaitOption = False,
+        config: ConfigOption = None,
+        role: RoleOption = Role.VISITOR,
+        key: KeyOption = None,
+    ) -> None:
+        """Have the arm take apart what stands; its parts go back to the belt."""
+        with client(config, role, key) as cell:
+            cell.subscribe()
+            reply = cell.command("take_apart")
+            _tell(reply)
+            raise typer.Exit(int(_see(cell, reply, wait)))
 
     for name, text in _PLAIN.items():
         app.command(name, help=text)(_plain(name))

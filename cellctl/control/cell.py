@@ -12,27 +12,36 @@ from collections.abc import Awaitable, Callable
 import structlog
 
 from cellctl.assembly import Cell as CellIndex
-from cellctl.assembly import Role, Utterance
+from cellctl.assembly import Role
 from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control import sentences
 from cellctl.control.acts import ActKind, JobFiles
-from cellctl.control.building import Builder
 from cellctl.control.controller import Controller, Post
 from cellctl.control.devices import Devices
+from cellctl.control.dismantling import Dismantler
 from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.hand import HandMoves
 from cellctl.control.job import Grip, Job, Phase
 from cellctl.control.journal import Journal
 from cellctl.control.states import Event, top_of
+from cellctl.control.taking_apart import TakingApart
 from cellctl.control.wishes import Wishes
 from cellctl.errors import CellctlError, CellFault, ExitStatus, RefusedError
 from cellctl.feeding.inventory import Counts, Move
-from cellctl.messages import Outcome, PartData, PartPlace, StateData, StatusData
+from cellctl.messages import (
+    Outcome,
+    PartData,
+    PartOutcome,
+    PartPlace,
+    StateData,
+    StatusData,
+)
 
 log = structlog.get_logger(__name__)
 
+_WORKING = frozenset({"assembling", "disassembling"})
 _OUTCOMES: dict[ExitStatus, Outcome] = {
     ExitStatus.USAGE: "unreadable",
     ExitStatus.NO_OBJECT: "no_object",
@@ -59,7 +68,7 @@ class Cell:
         clock: Clock,
         *,
         devices: Devices,
-        builder: Builder,
+        builder: Dismantler,
         journal: Journal,
         publish: Callable[[StatusData, str], None],
     ) -> None:
@@ -76,7 +85,13 @@ class Cell:
             hearing=devices.hearing,
             designer=devices.designer,
             show=lambda data: publish(data, self.controller.state),
-            parts_available=lambda: builder.ledger.counts.available,
+            ledger=lambda: builder.ledger,
+        )
+        self._taking_apart = TakingApart(
+            builder,
+            check=self._check_before_motion,
+            show=self._show_part,
+            next_event=self._next_event,
         )
         self.hand = HandMoves(builder, devices.hands, devices.belt, journal)
         self.job: Job | None = None
@@ -103,6 +118,10 @@ class Cell:
             "place": self._place,
             "verify": self._verify,
             "retreat": self._retreat,
+            "grip": self._for_job(self._taking_apart.grip),
+            "part": self._for_job(self._taking_apart.part),
+            "return": self._for_job(self._taking_apart.bring_back),
+            "put_back": self._for_job(self._taking_apart.put_back),
             "brake": self._brake,
             "hand": self._hand,
             "hold": self._hold,
@@ -121,20 +140,13 @@ class Cell:
 
     # --- what the request desk asks for -------------------------------------------------------
 
-    def begin_text(self, utterance: Utterance, role: Role) -> None:
-        """Start a job from words."""
-        self._begin(Job(role, utterance=utterance))
-
     def begin_audio(self, name: str, wav: bytes, role: Role) -> None:
         """Start a job from a wav file."""
         self.wishes.recording = (name, wav)
-        self._begin(Job(role))
+        self.begin(Job(role))
 
-    def begin_upload(self, name: str, content: bytes, role: Role) -> None:
-        """Start a job from a mesh or plan file."""
-        self._begin(Job(role, phase=Phase.VALIDATING, upload_name=name, upload=content))
-
-    def _begin(self, job: Job) -> None:
+    def begin(self, job: Job) -> None:
+        """Start a job."""
         job.end_of_speech_s = self._clock.now_s()
         job.began_at = self._clock.wall_time()
         job.standing = self.builder.standing
@@ -149,17 +161,6 @@ class Cell:
         files = JobFiles(mesh=job.generated, upload=job.upload)
         self._journal.keep_job(job.record(), files if files != self._kept_files else None)
         self._kept_files = files
-
-    def why_occupied(self) -> str:
-        """Why no build can begin; empty when one can."""
-        if self.controller.state != "idle" or not self.builder.standing:
-            return ""
-        count = len(self.builder.standing)
-        stand = "1 part stands" if count == 1 else f"{count} parts stand"
-        return (
-            f"{stand} in the workspace. Take the object along and say `cellctl hand-over`, or take "
-            "it apart and say `cellctl clear`."
-        )
 
     def resume_event(self) -> Event:
         """Which variant of ``resume`` fits how far things have come."""
@@ -294,11 +295,11 @@ class Cell:
         self._publish(self._devices.gripper_board.view(self.builder.grip.value), after)
 
     def _follow(self, job: Job, event: Event, after: str) -> None:
-        if event is Event.PAUSE and top_of(after) == "assembling":
+        if event is Event.PAUSE and top_of(after) in _WORKING:
             job.pausing = True
         elif top_of(after) in {"paused", "fault"}:
             job.pausing = False
-        if event is Event.CANCEL and top_of(after) == "assembling":
+        if event is Event.CANCEL and top_of(after) in _WORKING:
             job.cancelling = True
         heard_in_vain = job.phase is Phase.HEARING and top_of(after) in {"paused", "fault"}
         if event is Event.CANCEL and after == "paused_braking":
@@ -309,8 +310,7 @@ class Cell:
             job.message = "I was interrupted; please say it again."
         if after == "idle" or cancelled or heard_in_vain:
             if event is Event.COMPLETED:
-                done = job.step is None
-                job.outcome = "built" if done else "cancelled"
+                job.outcome = job.outcome_when_home()
                 job.message = sentences.finished(job)
             elif event is Event.DECLINE:
                 job.outcome = "declined"
@@ -405,7 +405,7 @@ class Cell:
     async def _feed(self, post: Post) -> None:
         job = self._job()
         job.phase = Phase.BUILDING
-        if job.cancelling:
+        if job.cancelling or job.step is None:
             post(Event.WIND_UP)
             return
         if job.pausing:
@@ -443,19 +443,24 @@ class Cell:
     async def _verify(self, post: Post) -> None:
         job = self._job()
         outcome = await self.builder.release(job)
-        assert job.plan is not None
+        self._show_part(job, outcome)
+        post(self._next_event(job))
+
+    def _show_part(self, job: Job, outcome: PartOutcome) -> None:
+        assert job.plan is not None, "a job with steps has a plan"
+        total = len(job.plan.steps)
         self._publish(
-            PartData(
-                job_id=job.job_id, outcome=outcome, placed=job.placed, total=len(job.plan.steps)
-            ),
+            PartData(job_id=job.job_id, outcome=outcome, placed=job.placed, total=total),
             self.controller.state,
         )
+
+    def _next_event(self, job: Job) -> Event:
+        """What leads from a step that is done to the next one, or home."""
         if job.step is None or job.cancelling:
-            post(Event.WIND_UP)
-        elif self._devices.belt.ready:
-            post(Event.NEXT_PART_READY)
-        else:
-            post(Event.NEXT_PART_AWAITED)
+            return Event.WIND_UP
+        if job.takes:
+            return Event.NEXT_PART_STANDS
+        return Event.NEXT_PART_READY if self._devices.belt.ready else Event.NEXT_PART_AWAITED
 
     async def _retreat(self, post: Post) -> None:
         job = self._job()

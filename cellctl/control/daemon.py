@@ -19,11 +19,11 @@ from cellctl.assembling.latch_gripper import LatchGripper
 from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
-from cellctl.control.building import Builder
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell
 from cellctl.control.designing import warm_up
 from cellctl.control.devices import Devices
+from cellctl.control.dismantling import Dismantler
 from cellctl.control.ears import LiveEars
 from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.health import LoopMonitor
@@ -83,7 +83,7 @@ class Daemon:
             reconnect_timeout_s=config.feeder.reconnect_timeout_s,
         )
         self.devices = Devices(self.arm, hands, belt, gripper_board, self.hearing, self.designer)
-        self.builder = Builder(config, self.clock, hands=hands, belt=belt, journal=self.journal)
+        self.builder = Dismantler(config, self.clock, hands=hands, belt=belt, journal=self.journal)
         self.cell = Cell(
             config,
             self.clock,

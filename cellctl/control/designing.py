@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cellctl.assembly import BuildPlan, Request
+    from cellctl.assembly import BuildPlan, Cell, Request
     from cellctl.config import CellConfig
     from cellctl.mesh import GeneratedMesh
 
@@ -59,3 +59,23 @@ def plan_upload(
 
     mesh = realise(parse_description(content, name), config, provenance=f"from {name}")
     return plan.plan_build(mesh, config, available, progress)
+
+
+def take_apart(
+    standing: frozenset[Cell], config: CellConfig, on_belt: int, progress: Callable[[str], None]
+) -> BuildPlan:
+    """A plan by which what stands goes back to the belt; see ``validating.plan``."""
+    from cellctl.validating import plan  # noqa: PLC0415
+
+    progress("checking")
+    progress("sequencing")
+    return plan.take_apart(standing, config, title="object", parts_on_belt=on_belt)
+
+
+def change_over(
+    wanted: BuildPlan, standing: frozenset[Cell], config: CellConfig, on_belt: int
+) -> BuildPlan:
+    """A plan by which what stands becomes another object; see ``validating.plan``."""
+    from cellctl.validating import plan  # noqa: PLC0415
+
+    return plan.plan_changing_over(wanted, standing, config, on_belt)

@@ -22,7 +22,7 @@ log = structlog.get_logger(__name__)
 
 _LOOK_EVERY_S: Final = 1.0
 """How often the board is asked (wall time)."""
-Holding = Literal["nothing", "part", "latching", "releasing"]
+Holding = Literal["nothing", "part", "latching", "releasing", "gripped"]
 
 
 class GripperWatch:

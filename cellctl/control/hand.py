@@ -10,8 +10,8 @@ import structlog
 from cellctl.assembling.route import Route, Stance
 from cellctl.assembly import Cell
 from cellctl.control.acts import ActKind
-from cellctl.control.building import Builder
 from cellctl.control.controller import Post
+from cellctl.control.dismantling import Dismantler
 from cellctl.control.job import Grip
 from cellctl.control.journal import Journal
 from cellctl.control.moving import ArmAndLatch
@@ -35,7 +35,7 @@ class HandMoves:
     """
 
     def __init__(
-        self, builder: Builder, hands: ArmAndLatch, belt: BeltService, journal: Journal
+        self, builder: Dismantler, hands: ArmAndLatch, belt: BeltService, journal: Journal
     ) -> None:
         self._builder = builder
         self._hands = hands
@@ -50,17 +50,23 @@ class HandMoves:
             return f"{self._builder.doubt.sentence}. Settle that first with `cellctl recover`."
         if command.move == "above_cell" and command.cell is None:
             return "Name the cell."
+        if self._builder.grip is Grip.GRIPPED and command.move != "open":
+            return (
+                "The latch has closed on a part that stands: say resume, or cancel and open the "
+                "latch with `cellctl hand open`."
+            )
         return self._why_no_latch(command)
 
     def _why_no_latch(self, command: HandCommand) -> str:
         """Why the latch cannot be moved now."""
         grip = self._builder.grip
-        if command.move == "open" and grip in {Grip.LATCHING, Grip.RELEASING}:
+        cut_off = grip in {Grip.LATCHING, Grip.RELEASING} or self._builder.taking_cut_off
+        if command.move == "open" and cut_off:
             return (
                 "The latch was cut off in the middle, and only resume knows how far it came: say "
                 "resume, or cancel and then `cellctl recover`."
             )
-        if command.move == "open" and self._may_hold() and not command.part_held:
+        if command.move == "open" and self._may_fall() and not command.part_held:
             return (
                 "The part in the gripper would fall. Hold it, and say `cellctl hand open "
                 "--part-held`; it counts as taken to the stock then."
@@ -185,6 +191,10 @@ class HandMoves:
                 )
         x, y, z = (f"{edge * 1000:.0f}" for edge in hands.state().tcp_pose[:3])
         return f"The TCP is at x {x}, y {y}, z {z} mm of the robot's base.", ()
+
+    def _may_fall(self) -> bool:
+        """Something is in the gripper that would fall if it opened."""
+        return self._may_hold() and self._builder.grip is not Grip.GRIPPED
 
     def _may_hold(self) -> bool:
         """A part is in the gripper, or something that nobody knows of."""

@@ -8,7 +8,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import TYPE_CHECKING, Self
 
-from cellctl.assembly import BuildPlan, Cell, Request, Role, Step, Utterance
+from cellctl.assembly import BuildPlan, Cell, Intent, Request, Role, Step, StepKind, Utterance
 from cellctl.control.acts import JobFiles, JobRecord
 from cellctl.control.states import Event
 from cellctl.messages import JobData, Outcome, PartOutcome
@@ -47,7 +47,10 @@ class Grip(StrEnum):
     """The latch was told to close and has not confirmed it; the arm stands at the station."""
     PART = "part"
     RELEASING = "releasing"
-    """The latch was told to open and has not confirmed it; the arm stands at the cell."""
+    """The latch was told to open and has not confirmed it; the arm stands at the cell, or where the
+    part goes back to the belt."""
+    GRIPPED = "gripped"
+    """The latch has closed on a part that stands, and that is not parted from its neighbours."""
 
 
 @dataclass
@@ -78,34 +81,142 @@ class Job:
     first_motion_s: float | None = None
     finished_s: float | None = None
 
+    @classmethod
+    def of_file(cls, name: str, content: bytes, role: Role) -> Self:
+        """That builds what a mesh or plan file holds."""
+        return cls(role, phase=Phase.VALIDATING, upload_name=name, upload=content)
+
+    @classmethod
+    def taking_apart(cls, role: Role) -> Self:
+        """That takes apart what stands."""
+        request = Request(
+            text="Take it apart.", intent=Intent.CONTROL, phrase="false", command="take_apart"
+        )
+        return cls(role, phase=Phase.VALIDATING, request=request)
+
     @property
     def placed(self) -> int:
-        """How many parts of the plan stand."""
-        return sum(step.cell in self.standing for step in self._steps)
+        """How many steps of the plan are done: parts that stand as planned, or are taken off."""
+        return sum(not due for due in self._due())
 
     @property
     def step(self) -> Step | None:
-        """The step to carry out next: the first whose part does not stand; None when all do."""
-        return next((step for step in self._steps if step.cell not in self.standing), None)
+        """The step to carry out next: the first that is due; None when none is.
+
+        A placed part that has gone missing is due again; one that was to be taken off, and is gone,
+        is no longer.
+        """
+        due = self._due()
+        return next((step for step, is_due in zip(self._steps, due, strict=True) if is_due), None)
+
+    @property
+    def step_before(self) -> Step | None:
+        """The step that was done last."""
+        step = self.step
+        index = step.index if step is not None else len(self._steps)
+        return self._steps[index - 1] if index else None
+
+    @property
+    def takes(self) -> bool:
+        """Whether the next step takes a part off."""
+        step = self.step
+        return step is not None and step.kind is StepKind.REMOVE
+
+    @property
+    def next_placement(self) -> Step | None:
+        """The step after the next one, if that brings a part from the belt."""
+        due = self._due()
+        left = [step for step, is_due in zip(self._steps, due, strict=True) if is_due]
+        return left[1] if len(left) > 1 and left[1].kind is StepKind.PLACE else None
 
     @property
     def more_after_this(self) -> bool:
-        """Whether the plan has a step after the next one."""
-        return self.placed + 1 < len(self._steps)
+        """Whether the plan places a part right after the next step."""
+        return self.next_placement is not None
+
+    @property
+    def removes(self) -> bool:
+        """Whether its plan takes parts off."""
+        return any(step.kind is StepKind.REMOVE for step in self._steps)
+
+    @property
+    def left_to_place(self) -> int:
+        """How many parts are still to be placed."""
+        due = zip(self._steps, self._due(), strict=True)
+        return sum(is_due and step.kind is StepKind.PLACE for step, is_due in due)
+
+    @property
+    def kept(self) -> frozenset[Cell]:
+        """Cells whose part must stand for the plan to hold, and that no step of it touches."""
+        if self.plan is None:
+            return frozenset()
+        touched = {step.cell for step in self._steps}
+        return frozenset(self.plan.assembly.cells) - touched
+
+    def _due(self) -> list[bool]:
+        """For each step whether it is still to be carried out.
+
+        Steps are carried out in order, and each is written down before the next begins; so the one
+        after the last that was written down may be done as well, which what stands tells.
+        """
+        steps, standing = self._steps, self.standing
+        begun = max((outcome.step + 1 for outcome in self.outcomes), default=0)
+        while begun < len(steps) and _done(steps[begun], standing):
+            begun += 1
+        last = {step.cell: step.index for step in steps[:begun]}
+        return [
+            step.index >= begun or (last[step.cell] == step.index and not _done(step, standing))
+            for step in steps
+        ]
 
     @property
     def _steps(self) -> tuple[Step, ...]:
         return self.plan.steps if self.plan is not None else ()
 
+    @property
+    def takes_apart(self) -> bool:
+        """Whether it was asked for that what stands is taken apart."""
+        return self.request is not None and self.request.command == "take_apart"
+
+    def outcome_when_home(self) -> Outcome:
+        """How it ended when the arm is home again."""
+        if self.step is not None:
+            return "cancelled"
+        return "taken_apart" if self.takes_apart else "built"
+
+    def confirm_event(self) -> Event:
+        """Which variant of ``confirm`` fits its plan."""
+        return Event.CONFIRM_TAKING if self.takes else Event.CONFIRM
+
+    def why_not_resume(self) -> str:
+        """Why it cannot go on: a part that was to stay is gone. Empty when it can."""
+        lost = sorted(self.kept - self.standing)
+        if not lost:
+            return ""
+        return (
+            f"The part at {list(lost[0])} was to stay, and is missing: the plan no longer holds. "
+            "Cancel, and ask anew."
+        )
+
     def resume_event(self, grip: Grip) -> Event:
         """Which variant of ``resume`` goes on from here."""
         if self.phase in _RESUMES:
             return _RESUMES[self.phase]
-        if self.step is None or (self.phase is Phase.RETREATING and self.cancelling):
+        winding_up = self.phase is Phase.RETREATING and self.cancelling
+        if winding_up or (self.step is None and grip is Grip.NOTHING):
             return Event.RESUME_RETREATING
+        if self.step is None or self.takes:
+            return {
+                Grip.NOTHING: Event.RESUME_GRIPPING,
+                Grip.LATCHING: Event.RESUME_GRIPPING,
+                Grip.GRIPPED: Event.RESUME_PARTING,
+                Grip.PART: Event.RESUME_RETURNING,
+                Grip.RELEASING: Event.RESUME_PUTTING_BACK,
+            }[grip]
         return {
             Grip.NOTHING: Event.RESUME_FEEDING,
             Grip.LATCHING: Event.RESUME_PICKING,
+            Grip.GRIPPED: Event.RESUME_PICKING,
             Grip.PART: Event.RESUME_PLACING,
             Grip.RELEASING: Event.RESUME_VERIFYING,
         }[grip]
@@ -174,3 +285,8 @@ class Job:
             first_motion_s=self.first_motion_s,
             finished_s=self.finished_s,
         )
+
+
+def _done(step: Step, standing: frozenset[Cell]) -> bool:
+    """Whether what stands is as after the step, as far as its own part goes."""
+    return (step.cell in standing) is (step.kind is StepKind.PLACE)

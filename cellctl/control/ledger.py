@@ -24,6 +24,8 @@ class Ledger(Value):
     person says that it is empty."""
     belt_indexes: int | None = None
     """The board's counter when the part in the gripper was picked."""
+    gripped: Cell | None = None
+    """The latch has closed on the part that stands at this cell, to take it off."""
 
     @property
     def holding(self) -> bool:
@@ -60,7 +62,16 @@ class Ledger(Value):
             and (picked or (self.lift_unchecked and not carried and act.kind is not ActKind.FEED)),
             missed=missed or (self.missed and not picked and act.kind is not ActKind.HAND_OPEN),
             belt_indexes=act.belt_indexes if picked else self.belt_indexes,
+            gripped=self._gripped_after(act, standing),
         )
+
+    def _gripped_after(self, act: Act, standing: frozenset[Cell]) -> Cell | None:
+        if act.kind is ActKind.GRIP and act.outcome == "done":
+            return act.cell
+        opened = act.kind in {ActKind.LET_STAND, ActKind.HAND_OPEN} and act.outcome == "done"
+        # What an operator says of a taking that is in doubt ends it, wherever the part is.
+        told = act.kind is ActKind.TAKE_OFF and act.outcome == "failed"
+        return None if opened or told or self.gripped not in standing else self.gripped
 
     def _standing_after(self, act: Act) -> frozenset[Cell]:
         if Move.PLACE in act.moves:
@@ -68,8 +79,8 @@ class Ledger(Value):
             if act.cell in self.standing:
                 raise InventoryError(f"Two parts would stand at {act.cell}.")
             return self.standing | {act.cell}
-        if Move.LOSE_PLACED in act.moves:
-            assert act.cell is not None, "a part that is missing has a cell"
+        if Move.LOSE_PLACED in act.moves or Move.TAKE_OFF in act.moves:
+            assert act.cell is not None, "a part that is gone had a cell"
             return self.standing - {act.cell}
         if act.kind in {ActKind.CLEAR, ActKind.HAND_OVER} and act.outcome == "done":
             return frozenset()

@@ -116,6 +116,10 @@ class ArmAndLatch:
         hanging_m = pitch_m if carrying else 0.0
         return beside and here[2] - station[2] < hanging_m + clearance_m / 2
 
+    def is_at(self, stance: Stance) -> bool:
+        """Whether the TCP is where it is in that stance."""
+        return math.dist(self.state().tcp_pose[:3], stance.tcp_pose[:3]) < STAYED_M
+
     def expect_at(self, stance: Stance) -> None:
         """The latch moves only where the arm was sent.
 

@@ -29,6 +29,7 @@ LIFT_SHARE = 0.7
 
 _NOT_CLOSED = "cut off before the latch closed"
 _NOT_OPENED = "cut off before the latch opened"
+_NOT_PARTED = "cut off before the part was parted from its neighbours"
 
 
 class Evidence(Value):
@@ -115,7 +116,7 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
             doubt = result
             continue
         settled.append(result)
-        held_after = (held_after or Move.PICK in result.moves) and Move.PLACE not in result.moves
+        held_after = _holds_after(held_after, result.moves)
     if doubt is not None or not held_after:
         return Settlement(acts=tuple(settled), doubt=doubt)
     if not evidence.latched:
@@ -128,6 +129,11 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
     if not evidence.part_at_station:
         return Settlement(acts=tuple(settled), lifted=True)
     return _lift(ledger, evidence, tuple(settled), part)
+
+
+def _holds_after(holding: bool, moves: tuple[Move, ...]) -> bool:
+    taken = not {Move.PICK, Move.TAKE_OFF}.isdisjoint(moves)
+    return (holding or taken) and {Move.PLACE, Move.PUT_BACK}.isdisjoint(moves)
 
 
 def unconfirmed(part: str, told_open: bool) -> Doubt:
@@ -177,6 +183,12 @@ def _settle_act(
         return _settle_pick(ledger, act, evidence, part)
     if act.kind is ActKind.RELEASE and holding:
         return _settle_release(act, evidence, part)
+    if act.kind is ActKind.GRIP and not holding:
+        return _settle_grip(act, evidence)
+    if act.kind is ActKind.TAKE_OFF and not holding:
+        return _settle_take_off(act, evidence)
+    if act.kind is ActKind.PUT_BACK and holding:
+        return _settle_put_back(act, evidence)
     # Feeding and moving the arm bring no part from one place to another.
     return Settled(act_id=act.act_id, outcome="interrupted", detail="cut off")
 
@@ -226,6 +238,58 @@ def _settle_release(act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
     )
 
 
+def _settle_grip(act: Act, evidence: Evidence) -> Settled:
+    """The part stands whatever the latch did: only a taking that has begun moves it."""
+    if evidence.latched and evidence.at_cell:
+        detail = "cut off; the latch was confirmed at the cell"
+        return Settled(act_id=act.act_id, outcome="done", detail=detail)
+    return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
+
+
+def _settle_take_off(act: Act, evidence: Evidence) -> Settled | Doubt:
+    """The latch had closed on the part; where the arm is now says whether it came along."""
+    if evidence.at_cell:
+        # Still gripped, or let go where it stands: another grip finds out.
+        outcome: Outcome = "interrupted" if evidence.latched else "failed"
+        return Settled(act_id=act.act_id, outcome=outcome, detail=_NOT_PARTED)
+    if evidence.latched:
+        return Settled(
+            act_id=act.act_id,
+            outcome="done",
+            detail="cut off; the latch was confirmed, and the arm off the cell",
+            moves=(Move.TAKE_OFF,),
+        )
+    part = _called(act)
+    if evidence.told_open:
+        sentence = f"{part} was being taken off, and somebody has opened the gripper"
+        return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="cell")
+    sentence = f"{part} may be in the gripper, or stand at its cell"
+    return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="gripper")
+
+
+def _settle_put_back(act: Act, evidence: Evidence) -> Settled | Doubt:
+    if evidence.latched:
+        return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_OPENED)
+    if evidence.told_open and evidence.at_station:
+        return Settled(
+            act_id=act.act_id,
+            outcome="done",
+            detail="cut off; the latch was told to open at the station",
+            moves=(Move.PUT_BACK,),
+        )
+    part = _called(act)
+    if evidence.told_open:
+        sentence = f"{part} was let go, but the arm was moved"
+        return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="station")
+    sentence = f"{part} may be in the gripper, or lie at the pick station"
+    return Doubt(act_id=act.act_id, kind=act.kind, sentence=sentence, believed="gripper")
+
+
+def _called(act: Act) -> str:
+    """What people call the part of an act."""
+    return f"Part {act.step + 1}" if act.step is not None else "The part"
+
+
 def moves_to(doubt: Doubt, part: PartPlace) -> tuple[Outcome, tuple[Move, ...]]:
     """What an operator's answer means for the inventory.
 
@@ -250,11 +314,23 @@ def moves_to(doubt: Doubt, part: PartPlace) -> tuple[Outcome, tuple[Move, ...]]:
         if part == "station":
             return "failed", ()
         return "done", (Move.PICK, *after_pick[part])
+    if doubt.kind is ActKind.TAKE_OFF:  # the part counts as standing at its cell
+        after_taking = {
+            "gripper": (),
+            "station": (Move.PUT_BACK,),
+            "stock": (Move.TAKE_OUT,),
+            "scrap": (Move.SCRAP_GRIPPED,),
+            "unknown": (Move.LOSE_GRIPPED,),
+        }
+        if part == "cell":
+            return "failed", ()
+        return "done", (Move.TAKE_OFF, *after_taking[part])
     # The part counts as in the gripper.
+    laid_back = doubt.kind is ActKind.PUT_BACK
     held: dict[PartPlace, tuple[Outcome, tuple[Move, ...]]] = {
         "gripper": ("failed", ()),
         "cell": ("done", (Move.PLACE,)),
-        "station": ("failed", (Move.MISS,)),
+        "station": ("done", (Move.PUT_BACK,)) if laid_back else ("failed", (Move.MISS,)),
         "stock": ("failed", (Move.TAKE_OUT,)),
         "scrap": ("failed", (Move.SCRAP_GRIPPED,)),
         "unknown": ("failed", (Move.LOSE_GRIPPED,)),

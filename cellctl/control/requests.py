@@ -13,6 +13,7 @@ from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
 from cellctl.control.ears import LiveEars
+from cellctl.control.job import Job
 from cellctl.control.states import Event, top_of
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
@@ -67,6 +68,7 @@ _WORDS: dict[str, str | bool] = {
     "pause": "pause",
     "resume": "resume",
     "cancel": "cancel",
+    "take_apart": "take_apart",
     "yes": True,
     "no": False,
 }
@@ -159,9 +161,7 @@ class RequestDesk:
             case BuildCommand():
                 content = _file(attachment, body.name)
                 await self._cell.controller.command(
-                    Event.BUILD,
-                    lambda: self._cell.begin_upload(body.name, content, role),
-                    unless=self._cell.why_occupied,
+                    Event.BUILD, lambda: self._cell.begin(Job.of_file(body.name, content, role))
                 )
                 return f"Planning {body.name}."
             case ConfirmCommand():
@@ -181,10 +181,19 @@ class RequestDesk:
         """Carry out a command without arguments, or a yes or no."""
         controller = self._cell.controller
         if isinstance(word, bool):
-            await controller.command(Event.CONFIRM if word else Event.DECLINE)
+            job = self._cell.active_job
+            yes = job.confirm_event() if job is not None else Event.CONFIRM
+            await controller.command(yes if word else Event.DECLINE)
             return "Then I begin." if word else "Then I leave it."
         if word == "cancel":
             self._refuse_to_cancel_anothers(role)
+        if word == "take_apart":
+            await controller.command(
+                Event.TAKE_APART,
+                lambda: self._cell.begin(Job.taking_apart(role)),
+                unless=self._why_nothing_to_take_apart,
+            )
+            return "I am working out how it comes apart."
         if word in {"clear", "hand_over"}:
             return await self._books.empty_workspace(handed_over=word == "hand_over")
         if word == "pause" and role is Role.VISITOR and controller.state == "idle":
@@ -202,7 +211,15 @@ class RequestDesk:
         cell = self._cell
         if cell.controller.state == "paused_resting":
             await cell.resume_doubt()
-        await cell.controller.command(cell.resume_event())
+        job = cell.active_job
+        why_not = job.why_not_resume if job is not None else None
+        await cell.controller.command(cell.resume_event(), unless=why_not)
+
+    def _why_nothing_to_take_apart(self) -> str:
+        idle = self._cell.controller.state == "idle"
+        return (
+            "Nothing stands in the workspace." if idle and not self._cell.builder.standing else ""
+        )
 
     async def _hand(self, command: HandCommand) -> str:
         hand = self._cell.hand
@@ -246,18 +263,14 @@ class RequestDesk:
         if word is not None:
             return await self._spoken_word(word, role)
         await self._cell.controller.command(
-            Event.SAY,
-            lambda: self._cell.begin_text(utterance, role),
-            unless=self._cell.why_occupied,
+            Event.SAY, lambda: self._cell.begin(Job(role, utterance=utterance))
         )
         return "I am thinking about it."
 
     async def _hear(self, name: str, wav: bytes, role: Role) -> str:
         if self._cell.controller.state == "idle":
             await self._cell.controller.command(
-                Event.HEAR,
-                lambda: self._cell.begin_audio(name, wav, role),
-                unless=self._cell.why_occupied,
+                Event.HEAR, lambda: self._cell.begin_audio(name, wav, role)
             )
             return "I am listening."
         if len(self._overhearing) >= _OVERHEARING_LIMIT:

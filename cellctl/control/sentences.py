@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cellctl.assembly import BuildPlan
 from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
 from cellctl.control.recovery import Doubt
@@ -24,6 +25,10 @@ _STATES = {
     "assembling_placing": "I am placing a part.",
     "assembling_verifying": "I am letting the part go.",
     "assembling_retreating": "I am moving out of the way.",
+    "disassembling_gripping": "I am taking hold of a part.",
+    "disassembling_parting": "I am taking a part off.",
+    "disassembling_returning": "I am bringing a part back.",
+    "disassembling_verifying": "I am laying the part on the belt.",
     "paused_braking": "I am coming to rest.",
     "paused_resting": "I am paused.",
     "paused_moving": "The operator is moving me by hand.",
@@ -56,7 +61,7 @@ def describe(
         return _STATES[state]
     if state == "validating_confirming":
         return question(job, pitch_m)
-    if state.startswith("assembling"):
+    if state.startswith(("assembling", "disassembling")):
         part = min(job.placed + 1, len(job.plan.steps))
         return f"{_STATES[state][:-1]} ({part} of {len(job.plan.steps)})."
     return _STATES[state]
@@ -73,7 +78,8 @@ def paused(job: Job | None, doubt: Doubt | None, ledger: Ledger) -> str:
     said = [_STATES["paused_resting"]]
     active = job is not None and job.finished_s is None
     if active and job is not None and job.plan is not None:
-        said = [f"Paused: {job.placed} of {len(job.plan.steps)} placed."]
+        done = "moves done" if job.removes else "placed"
+        said = [f"Paused: {job.placed} of {len(job.plan.steps)} {done}."]
     if doubt is not None:
         said.append(
             f"{doubt.sentence}: look, then say resume if it is {_WHERE[doubt.believed]}, or tell "
@@ -82,6 +88,8 @@ def paused(job: Job | None, doubt: Doubt | None, ledger: Ledger) -> str:
         return " ".join(said)
     if ledger.holding:
         said.append("The gripper holds a part.")
+    elif ledger.gripped is not None:
+        said.append("The latch has closed on a part that stands.")
     if active and ledger.standing:
         said.append("Look whether all placed parts still stand.")
     said.append("Say resume to go on.")
@@ -105,7 +113,7 @@ def refilling(job: Job | None, ledger: Ledger) -> str:
             "The belt and the stock are empty. Find more parts and tell it with "
             "`cellctl inventory set stock=N`."
         )
-    left = len(job.plan.steps) - job.placed if job is not None and job.plan is not None else 0
+    left = job.left_to_place if job is not None else 0
     return (
         f"The belt is empty and {_parts(left)} {_is(left)} still to place. "
         "Lay parts on the belt and say `cellctl refill`."
@@ -117,8 +125,9 @@ def _occupied(ledger: Ledger) -> str:
     if not count:
         return ""
     return (
-        f"{_parts(count)} {'stands' if count == 1 else 'stand'} in the workspace: take the object "
-        "along (`cellctl hand-over`), or take it apart (`cellctl clear`)."
+        f"{_parts(count)} {'stands' if count == 1 else 'stand'} in the workspace. What shall I "
+        "make of it? Or take the object along (`cellctl hand-over`), or have it taken apart "
+        "(`cellctl take-apart`)."
     )
 
 
@@ -134,20 +143,29 @@ def question(job: Job, pitch_m: float) -> str:
     """What is asked before the first motion."""
     plan = job.plan
     assert plan is not None
+    if job.takes_apart:
+        return (
+            f"{_parts(len(plan.steps))} go back to the belt{_about(plan)}. Shall I take it apart?"
+        )
     sizes = " x ".join(f"{edge * pitch_m * 100:.0f}" for edge in plan.assembly.size)
-    known = [step.duration_s for step in plan.steps if step.duration_s is not None]
-    time = f", about {_duration(sum(known))}" if len(known) == len(plan.steps) else ""
     changes = "".join(f" {change.what}" for change in plan.changes)
     title = plan.title[:1].upper() + plan.title[1:]
     asked = "".join(f" {text}" for text in plan.questions)
-    return f"{title}, {sizes} cm, {_parts(plan.parts)}{time}.{changes}{asked} Shall I build it?"
+    parts = len(plan.assembly.cells)
+    do = "change what stands into it" if job.removes else "build it"
+    return f"{title}, {sizes} cm, {_parts(parts)}{_about(plan)}.{changes}{asked} Shall I {do}?"
+
+
+def _about(plan: BuildPlan) -> str:
+    known = [step.duration_s for step in plan.steps if step.duration_s is not None]
+    return f", about {_duration(sum(known))}" if len(known) == len(plan.steps) else ""
 
 
 def finished(job: Job) -> str:
     """What is said when the arm is home again."""
     assert job.plan is not None
     if job.step is None:
-        return f"Your {job.plan.title} is finished."
+        return "It is taken apart." if job.takes_apart else f"Your {job.plan.title} is finished."
     return cancelled(job)
 
 
@@ -155,7 +173,8 @@ def cancelled(job: Job) -> str:
     """What is said when a job ended before its object was complete."""
     if job.plan is None or not job.placed:
         return "All right, I have dropped it."
-    return f"All right, I stopped after {job.placed} of {len(job.plan.steps)} parts."
+    what = "moves" if job.removes else "parts"
+    return f"All right, I stopped after {job.placed} of {len(job.plan.steps)} {what}."
 
 
 def _duration(seconds: float) -> str:

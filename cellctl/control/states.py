@@ -33,6 +33,8 @@ class Event(StrEnum):
     CHECKED = "checked"
     PLANNED = "planned"
     PLANNED_WAIVED = "planned_waived"
+    PLANNED_TAKING = "planned_taking"
+    """Planned, confirmation waived, and a part is to be taken off first."""
     BELT_EMPTY = "belt_empty"
     PART_NEAR = "part_near"
     PART_READY = "part_ready"
@@ -41,6 +43,14 @@ class Event(StrEnum):
     PLACED = "placed"
     NEXT_PART_READY = "next_part_ready"
     NEXT_PART_AWAITED = "next_part_awaited"
+    NEXT_PART_STANDS = "next_part_stands"
+    """The next step takes a part off."""
+    GRIPPED = "gripped"
+    GRIP_AGAIN = "grip_again"
+    PARTED = "parted"
+    PARTED_TO_PLACE = "parted_to_place"
+    """The part that was taken off is the one to be placed next."""
+    RETURNED = "returned"
     WIND_UP = "wind_up"
     COMPLETED = "completed"
     PAUSE_NOW = "pause_now"
@@ -54,7 +64,10 @@ class Event(StrEnum):
     SAY = "say"
     HEAR = "hear"
     BUILD = "build"
+    TAKE_APART = "take_apart"
     CONFIRM = "confirm"
+    CONFIRM_TAKING = "confirm_taking"
+    """``confirm`` where a part is to be taken off first."""
     DECLINE = "decline"
     PAUSE = "pause"
     STOP = "stop"
@@ -76,11 +89,16 @@ class Event(StrEnum):
     RESUME_PICKING = "resume_picking"
     RESUME_PLACING = "resume_placing"
     RESUME_VERIFYING = "resume_verifying"
+    RESUME_GRIPPING = "resume_gripping"
+    RESUME_PARTING = "resume_parting"
+    RESUME_RETURNING = "resume_returning"
+    RESUME_PUTTING_BACK = "resume_putting_back"
     RESUME_RETREATING = "resume_retreating"
 
 
 COMMANDS = frozenset(
-    {Event.SAY, Event.HEAR, Event.BUILD, Event.CONFIRM, Event.DECLINE, Event.PAUSE}
+    {Event.SAY, Event.HEAR, Event.BUILD, Event.TAKE_APART, Event.CONFIRM, Event.CONFIRM_TAKING}
+    | {Event.DECLINE, Event.PAUSE}
     | {Event.STOP, Event.CANCEL, Event.RESET, Event.REFILL, Event.BOOK, Event.HAND}
     | {event for event in Event if event.value.startswith("resume_")}
 )
@@ -94,6 +112,7 @@ STATES: dict[str, tuple[str, ...]] = {
     "validating": ("discretising", "checking", "sequencing", "confirming"),
     "feeding": ("indexing", "presenting", "refilling"),
     "assembling": ("picking", "placing", "verifying", "retreating"),
+    "disassembling": ("gripping", "parting", "returning", "verifying"),
     "paused": ("braking", "resting", "moving"),
     "fault": ("held", "stopped", "emergency", "recovering"),
 }
@@ -108,6 +127,7 @@ LEAVES: tuple[str, ...] = tuple(
 
 MOTION_STATES = frozenset(
     {"assembling_picking", "assembling_placing", "assembling_retreating", "paused_moving"}
+    | {"disassembling_gripping", "disassembling_parting", "disassembling_returning"}
 )
 """States in which the arm may move: by its plan, or by an operator's hand."""
 
@@ -131,7 +151,8 @@ class Transition:
     target: str | None
 
 
-_ASSEMBLING = leaves_of("assembling")
+_WORKING = leaves_of("assembling", "disassembling")
+_LET_GO = ["assembling_verifying", "disassembling_verifying"]
 _DESIGNING = [
     "generating",
     "validating_discretising",
@@ -158,8 +179,11 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.DISCRETISED, ["validating_discretising"], "validating_checking"),
     (Event.CHECKED, ["validating_checking"], "validating_sequencing"),
     (Event.PLANNED, ["validating_sequencing"], "validating_confirming"),
+    (Event.TAKE_APART, ["idle"], "validating_checking"),
     (Event.PLANNED_WAIVED, ["validating_sequencing"], "feeding_indexing"),
+    (Event.PLANNED_TAKING, ["validating_sequencing"], "disassembling_gripping"),
     (Event.CONFIRM, ["validating_confirming"], "feeding_indexing"),
+    (Event.CONFIRM_TAKING, ["validating_confirming"], "disassembling_gripping"),
     (Event.DECLINE, ["validating_confirming"], "idle"),
     (Event.REJECTED, [*leaves_of("listening"), *_DESIGNING], "idle"),
     # Part after part.
@@ -170,13 +194,28 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.PICKED, ["assembling_picking"], "assembling_placing"),
     (Event.PICK_AGAIN, ["assembling_picking", "assembling_placing"], "feeding_indexing"),
     (Event.PLACED, ["assembling_placing"], "assembling_verifying"),
-    (Event.NEXT_PART_READY, ["assembling_verifying"], "assembling_picking"),
-    (Event.NEXT_PART_AWAITED, ["assembling_verifying"], "feeding_indexing"),
-    (Event.WIND_UP, [*leaves_of("feeding"), "assembling_verifying"], "assembling_retreating"),
+    (Event.NEXT_PART_READY, _LET_GO, "assembling_picking"),
+    (Event.NEXT_PART_AWAITED, _LET_GO, "feeding_indexing"),
+    (Event.NEXT_PART_STANDS, _LET_GO, "disassembling_gripping"),
+    (
+        Event.WIND_UP,
+        [*leaves_of("feeding"), *_LET_GO, "disassembling_gripping", "disassembling_parting"],
+        "assembling_retreating",
+    ),
+    # Taking off part after part; a job may begin with one in the gripper.
+    (Event.GRIPPED, ["disassembling_gripping"], "disassembling_parting"),
+    (Event.GRIP_AGAIN, ["disassembling_parting"], "disassembling_gripping"),
+    (
+        Event.PARTED,
+        ["disassembling_gripping", "disassembling_parting"],
+        "disassembling_returning",
+    ),
+    (Event.PARTED_TO_PLACE, ["disassembling_parting"], "assembling_placing"),
+    (Event.RETURNED, ["disassembling_returning"], "disassembling_verifying"),
     (Event.COMPLETED, ["assembling_retreating"], "idle"),
     # Pause at the next safe point; where nothing moves, that is now.
-    (Event.PAUSE, _ASSEMBLING, None),
-    (Event.PAUSE_NOW, _ASSEMBLING, "paused_braking"),
+    (Event.PAUSE, _WORKING, None),
+    (Event.PAUSE_NOW, _WORKING, "paused_braking"),
     (Event.PAUSE, ["idle", *leaves_of("generating", "validating")], "paused_resting"),
     (Event.PAUSE, leaves_of("feeding"), "paused_braking"),
     (Event.PAUSE, ["paused_braking", "paused_resting"], None),
@@ -184,7 +223,7 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     # Stop works from everywhere. With nothing under way there is nothing to hold.
     (
         Event.STOP,
-        [*_BEFORE_MOTION, *_ASSEMBLING, "paused_resting", "paused_moving"],
+        [*_BEFORE_MOTION, *_WORKING, "paused_resting", "paused_moving"],
         "paused_braking",
     ),
     (Event.STOP, leaves_of("listening"), "idle"),
@@ -194,7 +233,7 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     # or a stop only an operator's resume leads, with or without a job.
     (Event.CANCEL, leaves_of("listening", "generating", "validating"), "idle"),
     (Event.CANCEL, leaves_of("feeding"), "assembling_retreating"),
-    (Event.CANCEL, _ASSEMBLING, None),
+    (Event.CANCEL, _WORKING, None),
     (Event.CANCEL, ["paused_resting"], "paused_braking"),
     # What people say of parts moves nothing.
     (Event.REFILL, [leaf for leaf in LEAVES if leaf != "feeding_refilling"], None),
@@ -214,6 +253,10 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.RESUME_PLACING, ["paused_resting"], "assembling_placing"),
     (Event.RESUME_VERIFYING, ["paused_resting"], "assembling_verifying"),
     (Event.RESUME_RETREATING, ["paused_resting"], "assembling_retreating"),
+    (Event.RESUME_GRIPPING, ["paused_resting"], "disassembling_gripping"),
+    (Event.RESUME_PARTING, ["paused_resting"], "disassembling_parting"),
+    (Event.RESUME_RETURNING, ["paused_resting"], "disassembling_returning"),
+    (Event.RESUME_PUTTING_BACK, ["paused_resting"], "disassembling_verifying"),
     # A fault may strike anywhere; a worse one replaces a lesser one, never the reverse.
     (Event.FAULT_HELD, [*_NO_FAULT, "fault_recovering"], "fault_held"),
     (Event.FAULT_STOPPED, [*_NO_FAULT, "fault_held", "fault_recovering"], "fault_stopped"),
@@ -241,6 +284,7 @@ class Decision:
 
 _REFUSALS: dict[Event, str] = {
     Event.CONFIRM: "Nothing waits for a yes.",
+    Event.CONFIRM_TAKING: "Nothing waits for a yes.",
     Event.DECLINE: "Nothing waits for a no.",
     Event.RESET: "There is no fault to reset.",
     Event.BOOK: "Parts can be counted only when the cell is idle, paused or in a fault.",

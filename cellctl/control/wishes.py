@@ -6,13 +6,20 @@ from collections.abc import Callable
 
 import structlog
 
-from cellctl.assembly import BuildPlan, Request
+from cellctl.assembly import BuildPlan, Request, StepKind
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
 from cellctl.control.controller import Post
-from cellctl.control.designing import design, plan_build, plan_upload
+from cellctl.control.designing import (
+    change_over,
+    design,
+    plan_build,
+    plan_upload,
+    take_apart,
+)
 from cellctl.control.job import Job, Phase
+from cellctl.control.ledger import Ledger
 from cellctl.control.states import Event
 from cellctl.errors import NoObjectError
 from cellctl.listening.hearing import Hearing
@@ -33,7 +40,7 @@ class Wishes:
         hearing: the recogniser.
         designer: the process that designs and plans.
         show: publishes what was heard.
-        parts_available: how many parts an object may have.
+        ledger: what is believed of the cell's parts.
     """
 
     def __init__(
@@ -44,14 +51,14 @@ class Wishes:
         hearing: Hearing,
         designer: WorkerProcess,
         show: Callable[[StatusData], None],
-        parts_available: Callable[[], int],
+        ledger: Callable[[], Ledger],
     ) -> None:
         self._config = config
         self._clock = clock
         self._hearing = hearing
         self._designer = designer
         self._show = show
-        self._parts_available = parts_available
+        self._ledger = ledger
         self._interpreter: Interpreter = EmbeddedInterpreter()
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
@@ -129,25 +136,40 @@ class Wishes:
 
         if self._config.policy.confirmation == "waived":
             log.info("confirmation waived by policy: building without asking")
-            post(Event.PLANNED_WAIVED, keep_and_go)
+            takes = bool(plan.steps) and plan.steps[0].kind is StepKind.REMOVE
+            post(Event.PLANNED_TAKING if takes else Event.PLANNED_WAIVED, keep_and_go)
         else:
             post(Event.PLANNED, keep)
 
     async def _planned(self, job: Job, progress: Callable[[str], None]) -> BuildPlan:
+        """A plan; where something stands, one that changes it over."""
         call = self._designer.call
         timeout_s = self._config.planning.timeout_s
-        available = self._parts_available()
-        if job.generated is not None:
+        ledger = self._ledger()
+        standing, counts = ledger.standing, ledger.counts
+        # A part in the gripper will be laid back, or built in: it counts as on the belt.
+        on_belt = counts.belt + counts.gripper
+        if job.takes_apart:
             return await call(
+                take_apart, standing, self._config, on_belt,
+                timeout_s=timeout_s, progress=progress,
+            )  # fmt: skip
+        available = counts.available + len(standing)
+        if job.generated is not None:
+            plan = await call(
                 plan_build, job.generated, self._config, available,
                 timeout_s=timeout_s, progress=progress,
             )  # fmt: skip
-        assert job.upload is not None
-        name, content = job.upload_name, job.upload
-        return await call(
-            plan_upload, name, content, self._config, available,
-            timeout_s=timeout_s, progress=progress,
-        )  # fmt: skip
+        else:
+            assert job.upload is not None
+            name, content = job.upload_name, job.upload
+            plan = await call(
+                plan_upload, name, content, self._config, available,
+                timeout_s=timeout_s, progress=progress,
+            )  # fmt: skip
+        if not standing:
+            return plan
+        return await call(change_over, plan, standing, self._config, on_belt, timeout_s=timeout_s)
 
     async def confirm(self, job: Job, post: Post) -> None:
         """Wait for a yes; silence means no."""

@@ -57,8 +57,18 @@ class Belt(Protocol):
         """
         ...
 
+    async def make_room(self) -> None:
+        """Move everything on the belt one pitch backward and return when there is room for a part
+        at the pick station. Cancelling it stops the belt.
+
+        Raises:
+            CellFault: ``belt_jam`` when the belt did not move or a part is still at the station,
+                ``belt_lost`` or ``belt_mismatch``.
+        """
+        ...
+
     async def halt(self) -> None:
-        """Stop the belt where it is; a ``present`` under way raises ``CancelledError``.
+        """Stop the belt where it is; whatever it does for somebody raises ``CancelledError``.
 
         Raises:
             CellFault: ``belt_lost`` or ``belt_mismatch``.

@@ -40,6 +40,9 @@ from cellctl.feeding.belt import BeltIdentity, BeltState
 
 log = structlog.get_logger(__name__)
 
+ROOM_PITCHES = 1.1
+"""How far the belt goes backward for a part that comes back: parts may not quite follow it."""
+
 
 class Conveyor:
     """One conveyor on one serial port. Connects by itself when used, and again after a loss.
@@ -93,6 +96,15 @@ class Conveyor:
         finally:
             self._index = None
 
+    async def make_room(self) -> None:
+        assert self._index is None, "one index at a time"
+        self._index = asyncio.current_task()
+        try:
+            async with self._exchange():
+                await self._make_room()
+        finally:
+            self._index = None
+
     async def halt(self) -> None:
         if self._index is not None:
             self._index.cancel()
@@ -126,7 +138,7 @@ class Conveyor:
         code, trouble = "belt_jam", "the belt is still moving"
         while True:
             try:
-                reply = await self._move(Command.FORWARD, deadline_s)
+                reply = await self._move(Command.FORWARD, deadline_s, self._pitch)
             except ResetNoticed:
                 # The part may lie anywhere up to the sensor: going on forward is right.
                 code, trouble = "belt_lost", "the board was reset again and again"
@@ -149,12 +161,41 @@ class Conveyor:
                 case _:
                     raise board.refused(Command.FORWARD, reply)
 
-    async def _move(self, command: Command, deadline_s: float) -> Reply | None:
+    async def _make_room(self) -> None:
+        """Go one pitch backward; what interrupts it only makes it begin anew, for more room than a
+        part takes does no harm."""
+        board, deadline_s = self._board, self._clock.now_s() + self._settings.index_timeout_s
+        distance = round(self._pitch * ROOM_PITCHES)
+        while True:
+            try:
+                reply = await self._move(Command.BACKWARD, deadline_s, distance)
+            except ResetNoticed:
+                continue
+            if reply is None:
+                await board.carry_out(Command.HALT)
+                timeout_s = self._settings.index_timeout_s
+                raise CellFault("belt_jam", f"After {timeout_s:g} s there is no room on the belt.")
+            match reply.error:
+                case None:
+                    return
+                case ErrorCode.NO_MOTION:
+                    raise CellFault(
+                        "belt_jam",
+                        "It went backward, and did not move or a part is still at the sensor.",
+                    )
+                case ErrorCode.LATCHED:
+                    await board.carry_out(Command.CLEAR)
+                case ErrorCode.SILENCE | ErrorCode.MOVING | ErrorCode.STALE:
+                    log.info("going backward was interrupted, going on", reason=reply.error.value)
+                case _:
+                    raise board.refused(Command.BACKWARD, reply)
+
+    async def _move(self, command: Command, deadline_s: float, argument: int) -> Reply | None:
         """Repeat a motion's line until its outcome is known; None when the deadline passes."""
         board = self._board
         link = await board.session()
         loop = asyncio.get_running_loop()
-        frame, sequence = board.frame(command, self._pitch)
+        frame, sequence = board.frame(command, argument)
         heard_s = loop.time()
         try:
             while self._clock.now_s() < deadline_s:

@@ -44,6 +44,10 @@ class Move(StrEnum):
     MISS = "miss"
     """The part that counted as picked is still at the pick station."""
     PLACE = "place"
+    TAKE_OFF = "take_off"
+    """The arm takes a part off the structure."""
+    PUT_BACK = "put_back"
+    """The arm lays a part back on the belt."""
     TAKE_APART = "take_apart"
     """A person takes a part off the structure."""
     TAKE_OUT = "take_out"
@@ -79,6 +83,8 @@ _WAYS: dict[Move, tuple[Place, Place]] = {
     Move.PICK: (Place.BELT, Place.GRIPPER),
     Move.MISS: (Place.GRIPPER, Place.BELT),
     Move.PLACE: (Place.GRIPPER, Place.STRUCTURE),
+    Move.TAKE_OFF: (Place.STRUCTURE, Place.GRIPPER),
+    Move.PUT_BACK: (Place.GRIPPER, Place.BELT),
     Move.TAKE_APART: (Place.STRUCTURE, Place.STOCK),
     Move.TAKE_OUT: (Place.GRIPPER, Place.STOCK),
     Move.HAND_OVER: (Place.STRUCTURE, Place.HANDED_OVER),

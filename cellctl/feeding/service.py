@@ -1,4 +1,5 @@
-"""The belt as a service: it brings parts on request, also while the arm is busy elsewhere.
+"""The belt as a service: it brings parts on request, also while the arm is busy elsewhere, and
+makes room for those that come back.
 
 A request outlives the state that made it: whoever wants the part waits for it, and may stop waiting
 without stopping the belt. Retries happen here and are no fault; which of jam and empty a fault is,
@@ -9,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from enum import StrEnum
 from typing import Final
@@ -38,6 +39,8 @@ class BeltActivity(StrEnum):
     """The belt brings a part."""
     PRESENTING = "presenting"
     """The belt has stopped; the sensor is asked whether the part lies there."""
+    MAKING_ROOM = "making_room"
+    """The belt goes backward, so that a part can be laid at the pick station."""
     READY = "ready"
     """A part lay at the pick station when last looked at."""
     FAULT = "fault"
@@ -73,8 +76,12 @@ class BeltService:
         self._reconnect_timeout_s = reconnect_timeout_s
         self._bringing: asyncio.Task[None] | None = None
         """The newest request; done when the part lies there or could not be brought."""
+        self._for_room = False
+        """The newest request is for room, not for a part."""
         self._near = asyncio.Event()
         """The newest request has gone past indexing."""
+        self._has_room = False
+        """A part can be laid at the pick station: room was made, and none has come since."""
         self._board: BoardData | None = None
         self._view = ConveyorData(connected=False, activity=BeltActivity.IDLE)
 
@@ -130,10 +137,13 @@ class BeltService:
         Does nothing while an earlier request is under way. A part that lies at the pick station
         fulfils a request, so ask for the next one only when the last has left it.
         """
-        if self._bringing is None or self._bringing.done():
+        under_way = self._bringing is not None and not self._bringing.done()
+        if not under_way or self._for_room:
+            before = self._bringing if under_way else None
+            self._has_room = self._for_room = False
             self._near.clear()
             self._show(BeltActivity.INDEXING)
-            self._bringing = asyncio.create_task(self._bring(), name="belt: bring a part")
+            self._bringing = asyncio.create_task(self._bring(before), name="belt: bring a part")
             self._bringing.add_done_callback(_retrieve)
 
     async def part_ready(self, near: Callable[[], None] = lambda: None) -> None:
@@ -160,6 +170,46 @@ class BeltService:
             with suppress(asyncio.CancelledError):
                 await nearing
         await asyncio.shield(bringing)
+
+    def request_room(self) -> None:
+        """Begin to make room for a part at the pick station; returns at once.
+
+        Does nothing while that is under way. A part that was requested is no longer brought.
+        """
+        under_way = self._bringing is not None and not self._bringing.done()
+        if not under_way or not self._for_room:
+            before = self._bringing if under_way else None
+            self._for_room = True
+            self._bringing = asyncio.create_task(self._make_room(before), name="belt: make room")
+            self._bringing.add_done_callback(_retrieve)
+
+    async def room_ready(self) -> None:
+        """Wait until there is the room that was requested.
+
+        Cancelling this wait does not stop the belt.
+
+        Raises:
+            CellFault: ``belt_jam``, ``belt_lost`` or ``belt_mismatch``.
+            CancelledError: also when ``halt`` ended the request.
+        """
+        assert self._bringing is not None, "wait for room only after requesting it"
+        assert self._for_room, "wait for room only after requesting it"
+        await asyncio.shield(self._bringing)
+
+    async def _make_room(self, before: asyncio.Task[None] | None) -> None:
+        await _ended(before)
+        if self._has_room and not (await self.state()).part_present:
+            return
+        self._has_room = False
+        self._show(BeltActivity.MAKING_ROOM)
+        await self._insist(self._belt.make_room)
+        self._has_room = True
+        self._show(BeltActivity.IDLE, part_present=False)
+
+    def room_was_used(self) -> None:
+        """A part was laid at the pick station: the next one needs room of its own."""
+        self._has_room = False
+        self._show(BeltActivity.READY, part_present=True)
 
     async def halt(self) -> None:
         """Drop the request under way and stop the belt.
@@ -205,18 +255,27 @@ class BeltService:
         await self._belt.close()
         self._show(BeltActivity.IDLE, connected=False)
 
-    async def _bring(self) -> None:
+    async def _bring(self, before: asyncio.Task[None] | None) -> None:
+        await _ended(before)
+        await self._insist(self._bring_once)
+        self._show(BeltActivity.READY, part_present=True)
+
+    async def _insist(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Have the belt do something, trying again where that may help.
+
+        Raises:
+            CellFault: it did not.
+        """
         retries, reconnections = self._retries, _RECONNECTIONS
         while True:
             try:
-                await self._bring_once()
+                await work()
             except CellFault as raised:
                 fault = self._judged(raised)
             except asyncio.CancelledError:
                 self._show(BeltActivity.IDLE)
                 raise
             else:
-                self._show(BeltActivity.READY, part_present=True)
                 return
             if fault.code in {"belt_empty", "belt_mismatch"}:
                 break
@@ -226,7 +285,7 @@ class BeltService:
                 retries -= 1
             else:
                 break
-            log.warning("bringing a part failed, trying again", reason=str(fault))
+            log.warning("the belt failed, trying again", reason=str(fault))
         self._show_fault(fault)
         raise fault
 
@@ -279,6 +338,13 @@ class BeltService:
         if view != self._view:
             self._view = view
             self._on_change(view)
+
+
+async def _ended(request: asyncio.Task[None] | None) -> None:
+    """Drop a request that another has replaced."""
+    if request is not None:
+        request.cancel()
+        await asyncio.wait({request})
 
 
 def _retrieve(bringing: asyncio.Task[None]) -> None:

@@ -24,7 +24,7 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("yes go ahead", "yes do it", "yes build it", "okay go ahead", "okay do it", "okay go"),
     ),
     "no": ("no", "nope", "nah", "no thanks", "no thank you", "don't", "do not", "don't do it"),
-    "clear": ("take it apart", "take it down", "clear it away", "disassemble it"),
+    "take_apart": ("take it apart", "take it down", "clear it away", "disassemble it"),
     "repeat": ("say that again", "repeat", "repeat that", "what did you say", "pardon"),
     "again": ("do it again", "build it again", "once more", "again"),
     "help": ("help", "help me"),
@@ -53,8 +53,8 @@ def spoken_command(text: str) -> str | None:
     """The command that a sentence is, or None.
 
     Returns:
-        One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``clear`` (take the
-        structure apart), ``repeat``, ``again`` and ``help``.
+        One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``take_apart``,
+        ``repeat``, ``again`` and ``help``.
     """
     words = re.sub(r"[^a-z' ]+", " ", text.lower().replace("’", "'")).split()  # noqa: RUF001
     plain = " ".join(words)

@@ -4,9 +4,8 @@ Pure: no I/O, no clock of its own, all chance from one seed. The emulators of ro
 conveyor tell it what they do; it keeps every part in exactly one place and holds against the cell
 whatever must not happen. It shares no code with the planner.
 
-What it does not know: links of the arm above the gripper, springiness, what a part is pulled with
-when it is taken off, parts that fall onto other parts. A fallen part is out of play until somebody
-clears the workspace.
+What it does not know: links of the arm above the gripper, springiness, parts that fall onto other
+parts. A fallen part is out of play until somebody clears the workspace.
 """
 
 from __future__ import annotations
@@ -20,11 +19,17 @@ import numpy as np
 
 from cellctl.assembly import Cell
 from cellctl.config import CellConfig
-from cellctl.sim.physics import Material, collapse
+from cellctl.sim.physics import Material, collapse, parting
 from cellctl.sim.plant import Floats
 from cellctl.sim.world_belt import BeltPart, BeltRow
 from cellctl.sim.world_contact import Contact, Contacts, Span
-from cellctl.sim.world_geometry import inverse, pose_matrix, rotation
+from cellctl.sim.world_geometry import (
+    farthest_corner_m,
+    inverse,
+    pose_matrix,
+    rotation,
+    rotation_vector,
+)
 from cellctl.sim.world_grip import fits, judge_release
 from cellctl.sim.world_support import adrift
 from cellctl.sim.world_values import (
@@ -39,6 +44,9 @@ BOND_LIFT_M = 0.03
 """A part that sticks to its neighbour comes off once it is lifted this far..."""
 BOND_SLACK_M = 0.01
 """...and drags the neighbour off the belt if it is moved this far aside before that."""
+PARTING_M = 0.001
+"""A placed part in the closed latch comes off once a corner of it has moved this far: that is where
+its magnets let go, and the way there is how it was taken."""
 
 
 class World:
@@ -85,6 +93,8 @@ class World:
         self._everything = frozenset(self._stock)
         self._bond: tuple[int, Floats] | None = None
         """The part that sticks to the held one, and the TCP where that was picked."""
+        self._gripped: tuple[Cell, Floats] | None = None
+        """The placed part in the closed latch that has not come off yet, and the TCP then."""
         self.refill_belt()
 
     # ---- time and the belt ----
@@ -121,6 +131,7 @@ class World:
         if self._tcp is not None and tcp.tobytes() == self._tcp.tobytes():
             return
         self._tcp = tcp
+        self._strain_grip(tcp)
         holding = self._held is not None
         before, self._span = self._span, self._contacts.span(tcp, holding)
         if before is None:
@@ -153,7 +164,7 @@ class World:
 
     def latch_closed(self) -> None:
         """The latch has closed: it holds what lies within its tolerance, and centres it."""
-        if self._held is not None or self._tcp is None:
+        if self._held is not None or self._gripped is not None or self._tcp is None:
             return
         to_tcp = inverse(self._tcp)
         on_belt = [(item, to_tcp @ self._belt_top(item)) for item in self._row.parts]
@@ -167,9 +178,7 @@ class World:
         in_place = [(cell, to_tcp @ self._cell_top(cell)) for cell in self._placed]
         for cell, error in in_place:
             if fits(error):
-                self._held = self._placed.pop(cell)
-                self._drop_what_cannot_hold(None)
-                self._settle()
+                self._gripped = (cell, self._tcp.copy())
                 return
         # Closing far from every part, as when the controller boots, is no attempt to pick.
         station = to_tcp @ self._from_feeder
@@ -181,7 +190,8 @@ class World:
             )
 
     def latch_opened(self) -> None:
-        """The latch has opened: a held part goes where it goes."""
+        """The latch has opened: a held part goes where it goes, a gripped one stands on."""
+        self._gripped = None
         if self._held is None or self._tcp is None:
             return
         part, self._held, self._bond = self._held, None, None
@@ -230,6 +240,7 @@ class World:
     def hand_over(self) -> int:
         """Give what stands in the workspace to the visitor; returns the number of parts."""
         parts = list(self._placed.values())
+        self._gripped = None
         self._handed_over += parts
         self._placed.clear()
         self._settle()
@@ -239,6 +250,7 @@ class World:
         """Take what stands or lies in the workspace to the stock; returns the number of parts."""
         parts = [*self._placed.values(), *self._fallen]
         self._stock += parts
+        self._gripped = None
         self._placed.clear()
         self._fallen.clear()
         self._settle()
@@ -286,6 +298,8 @@ class World:
         """
         if cell not in self._placed:
             raise ValueError(f"no part stands at {tuple(cell)}")
+        if self._gripped is not None and self._gripped[0] == cell:
+            self._gripped = None
         self._handed_over.append(self._placed.pop(cell))
         self._drop_what_cannot_hold(None)
         self._settle()
@@ -339,6 +353,38 @@ class World:
             why = f"the joint {found.weakest} does not bear {load}"
             self._drop(found.moving, ViolationKind.COLLAPSED, why)
             newest = None  # the arm has let go of it by now
+
+    def _strain_grip(self, tcp: Floats) -> None:
+        """Follow a placed part in the closed latch, until it comes off its neighbours."""
+        if self._gripped is None:
+            return
+        cell, gripped = self._gripped
+        moved = tcp @ inverse(gripped)
+        half_m = self._pitch_m / 2
+        centre = (np.array(cell) + 0.5) * self._pitch_m
+        shift_m = moved[:3, :3] @ centre + moved[:3, 3] - centre
+        turn_rad = rotation_vector(moved[:3, :3])
+        if farthest_corner_m(shift_m, turn_rad, half_m) < PARTING_M:
+            return
+        self._gripped = None
+        found = parting(frozenset(self._placed), cell, shift_m / half_m, turn_rad, self._material)
+        self._held = self._placed.pop(cell)
+        if found.pressed is not None:
+            self._hold_against(
+                ViolationKind.COLLISION,
+                f"The part of cell {tuple(cell)} was pressed into the one at cell "
+                f"{tuple(found.pressed)} when it was taken.",
+                part=self._held,
+                cell=cell,
+            )
+        if found.dragged is not None:
+            why = (
+                f"it came along with the one of cell {tuple(cell)}, for the joint "
+                f"{found.dragged.weakest} does not bear how that was taken off"
+            )
+            self._drop(found.dragged.moving, ViolationKind.DRAGGED_NEIGHBOUR, why)
+        self._drop_what_cannot_hold(None)
+        self._settle()
 
     def _drop(self, cells: Sequence[Cell], kind: ViolationKind, why: str) -> None:
         for cell in cells:

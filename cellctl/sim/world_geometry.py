@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -45,6 +46,19 @@ def rotation_vector(matrix: Floats) -> Floats:
     symmetric = matrix + np.eye(3)
     column = symmetric[:, int(np.argmax(np.diag(symmetric)))]
     return np.asarray(column / np.linalg.norm(column) * math.pi)
+
+
+def farthest_corner_m(shift_m: Floats, turn_rad: Floats, half_m: float) -> float:
+    """How far the corner of a cube moves that moves farthest.
+
+    Args:
+        shift_m: of its centre (3,).
+        turn_rad: rotation vector (3,).
+        half_m: half of the cube's edge.
+    """
+    corners = np.array(list(product((-half_m, half_m), repeat=3)))
+    moved = corners @ rotation(turn_rad).T + shift_m - corners
+    return float(np.linalg.norm(moved, axis=1).max())
 
 
 def pose_matrix(pose: tuple[float, ...]) -> Floats:

@@ -59,7 +59,8 @@ class ViolationKind(StrEnum):
     PICKED_NOTHING = "picked_nothing"
     """The latch closed where a part should be, and none was within its tolerance."""
     DRAGGED_NEIGHBOUR = "dragged_neighbour"
-    """A part was pulled aside while another still stuck to it; the other one falls."""
+    """A part was pulled aside while another still stuck to it, or taken off in a way that the
+    joints of its neighbours do not bear; what comes along falls."""
 
 
 class Violation(Value):

@@ -17,6 +17,7 @@ from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
 from cellctl.validating.access import Gripper
 from cellctl.validating.changing.plans import plan_change_over, plan_removal
+from cellctl.validating.changing.routing import routed
 from cellctl.validating.checker import verify
 from cellctl.validating.discretise import discretise
 from cellctl.validating.draft import Draft, draft, paper_draft, paper_redraft, redraft
@@ -187,19 +188,39 @@ def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPla
         UsageError: the file is neither.
         PlanError: there is no way in which every state on the way stands.
     """
-    standing = standing_cells(name, content, config)
+    return take_apart(standing_cells(name, content, config), config, title=Path(name).stem)
+
+
+def take_apart(
+    standing: Cells, config: CellConfig, *, title: str, parts_on_belt: int | None = None
+) -> BuildPlan:
+    """As ``plan_taking_apart``, by the cells that stand.
+
+    Args:
+        standing: what stands, at least one part.
+        config: the cell.
+        title: of the object that stands.
+        parts_on_belt: how many lie there; what its capacity leaves, if None.
+
+    Raises:
+        PlanError: there is no way in which every state on the way stands, or no room on the belt.
+    """
     _refuse_fallen(standing, config)
-    plan = plan_removal(standing, config, title=Path(name).stem)
-    return _verified(plan, config, config.limits.inventory_parts, standing)
+    plan = plan_removal(standing, config, title=title, parts_on_belt=parts_on_belt)
+    plan = _verified(plan, config, config.limits.inventory_parts, standing)
+    return routed(plan, standing, config)
 
 
-def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> BuildPlan:
+def plan_changing_over(
+    plan: BuildPlan, standing: Cells, config: CellConfig, parts_on_belt: int | None = None
+) -> BuildPlan:
     """Plan how what stands becomes the object of another plan, with as few moves as can be.
 
     Args:
         plan: of the object that is wanted, made for an empty workspace.
         standing: what stands.
         config: the cell.
+        parts_on_belt: how many lie there; what its capacity leaves, if None.
 
     Raises:
         PlanError: there is no way in which every state on the way stands.
@@ -220,6 +241,7 @@ def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> 
         config,
         title=plan.title,
         provenance=plan.provenance,
+        parts_on_belt=parts_on_belt,
         reachable=reachable,
     )
     told = changed.model_copy(
@@ -230,7 +252,7 @@ def plan_changing_over(plan: BuildPlan, standing: Cells, config: CellConfig) -> 
         }
     )
     spare = config.limits.inventory_parts - len(standing)
-    return _verified(told, config, spare, standing)
+    return routed(_verified(told, config, spare, standing), standing, config, planner)
 
 
 def _refuse_fallen(standing: Cells, config: CellConfig) -> None:

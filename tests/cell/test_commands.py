@@ -83,8 +83,10 @@ def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningC
     truth = idle.truth()
     assert len(truth.built) == 1
     assert truth.violations == ()
-    with pytest.raises(RefusedError, match="1 part stands"):
-        idle.visitor.say("the letter T")
+    idle.visitor.say("the letter T")
+    assert "1 of 1 part stays" in idle.wait_state("validating_confirming").state.sentence
+    idle.visitor.confirm(False)
+    assert idle.finish().outcome == "declined"
 
 
 def test_a_visitor_may_cancel_what_a_visitor_began(idle: RunningCell) -> None:

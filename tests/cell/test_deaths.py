@@ -74,6 +74,23 @@ def test_killed_at_any_instant(lives: Lives) -> None:
 
 
 @pytest.mark.soak
+@pytest.mark.timeout(3600)
+def test_killed_at_100_writes_while_taking_apart() -> None:
+    with (
+        tempfile.TemporaryDirectory(prefix="cellctl-") as name,
+        many_lives(Path(name), takes_apart=True) as lives,
+    ):
+        for number in range(100):
+            when, write = ("before", "after")[number % 2], 1 + number // 2 % _FARTHEST
+            with lives.life(when, str(write)) as life:
+                if life.settle() is not None:
+                    life.go_on()
+                assert life.dead
+        complete(lives)
+        tell(lives)
+
+
+@pytest.mark.soak
 @pytest.mark.timeout(7200)
 def test_killed_at_400_writes_of_many_builds(lives: Lives) -> None:
     """Lives end just before and just after their 1st write, their 2nd, and so on to the 24th: a

@@ -120,9 +120,6 @@ def test_what_stands_is_handed_over_or_cleared_before_the_next_build(idle: Runni
     with pytest.raises(RefusedError, match="A job is under way"):
         idle.client.command("hand_over")
     finish(idle)
-    for ask in (idle.visitor.say, lambda wish: idle.client.build(wish, bar(1, 1, 1))):
-        with pytest.raises(RefusedError, match="2 parts stand in the workspace"):
-            ask("bar.json")
     assert "cellctl hand-over" in idle.client.snapshot().state.sentence
     with pytest.raises(RefusedError, match="needs the operator"):
         idle.visitor.command("clear")

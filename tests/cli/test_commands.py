@@ -195,9 +195,10 @@ def test_say_waits_for_the_end_and_tells_a_cancelled_job(tmp_path: Path) -> None
         assert shown.returncode == 0
         assert "idle" in shown.stdout
         assert json.loads(cellctl("status", "--json", config=path).stdout)["standing"]
-        refused = cellctl("say", "a stool", config=path)
-        assert refused.returncode == 2
-        assert "cellctl clear" in refused.stderr
+        apart = cellctl("take-apart", "--wait", config=path)
+        assert apart.returncode == 0
+        assert "part   1 of 1" in apart.stdout
+        assert not json.loads(cellctl("status", "--json", config=path).stdout)["standing"]
 
 
 @pytest.mark.wire

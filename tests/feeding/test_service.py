@@ -291,3 +291,61 @@ def test_a_part_that_vanishes_before_the_arm_comes_is_not_called_ready() -> None
             await service.close()
 
     asyncio.run(scenario())
+
+
+def test_room_is_made_once_for_each_part_that_comes_back() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            await cell.service.part_ready()
+            travelled_m = cell.bench.world.travel_m
+            cell.service.request_room()
+            await cell.service.room_ready()
+            assert not cell.bench.world.part_at_pick()
+            gone_m = travelled_m - cell.bench.world.travel_m
+            assert PITCH_M <= gone_m <= 1.2 * PITCH_M
+            assert BeltActivity.MAKING_ROOM in cell.activities()
+            cell.service.request_room()
+            await cell.service.room_ready()
+            assert travelled_m - cell.bench.world.travel_m == pytest.approx(gone_m)
+            cell.service.room_was_used()
+            assert cell.service.ready
+            cell.service.request_room()
+            await cell.service.room_ready()
+            assert travelled_m - cell.bench.world.travel_m == pytest.approx(2 * gone_m)
+
+    asyncio.run(scenario())
+
+
+def test_who_asks_for_a_part_while_room_is_made_gets_it() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            await cell.service.part_ready()
+            cell.service.request_room()
+            await cell.bench.until(lambda: cell.service.view().activity == "making_room")
+            cell.service.request_part()
+            await cell.service.part_ready()
+            assert cell.service.ready
+
+    asyncio.run(scenario())
+
+
+def test_a_belt_that_does_not_go_back_is_a_jam_and_can_be_asked_again() -> None:
+    async def scenario() -> None:
+        async with served() as cell:
+            cell.service.request_part()
+            await cell.service.part_ready()
+            cell.bench.emulator.inject("stall")
+            cell.service.request_room()
+            with pytest.raises(CellFault, match="did not move") as raised:
+                await cell.service.room_ready()
+            assert raised.value.code == "belt_jam"
+            assert cell.service.view().activity == BeltActivity.FAULT
+            cell.bench.emulator.clear("stall")
+            await cell.service.recover()
+            cell.service.request_room()
+            await cell.service.room_ready()
+            assert not cell.bench.world.part_at_pick()
+
+    asyncio.run(scenario())

@@ -28,7 +28,7 @@ from cellctl.listening.commands import spoken_command
         ("No, thanks.", "no"),
         ("no", "no"),
         ("Don’t.", "no"),  # noqa: RUF001 - recognisers print this apostrophe
-        ("take it apart", "clear"),
+        ("take it apart", "take_apart"),
         ("help", "help"),
     ],
 )

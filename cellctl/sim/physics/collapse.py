@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ class Collapse(NamedTuple):
     weakest: Joint
     """The joint that gives way fastest."""
     pushed: bool
-    """Whether it stands at rest, and gives way to the push of a placement."""
+    """Whether it stands at rest, and gives way to what the arm does."""
 
 
 def collapse(
@@ -52,14 +53,39 @@ def collapse(
     fastest = np.abs(motions).max(axis=(1, 2)).round(_ALIKE)
     # At rest first: what moves then needs no push.
     case = 0 if loads[0] == REST and fastest[0] > STAYS else int(fastest.argmax())
-    if fastest[case] <= STAYS:
+    return _told(structure, motions[case], pushed=loads[case] != REST)
+
+
+def collapse_under(
+    cells: frozenset[Cell], material: Material, loads: Mapping[Cell, Floats]
+) -> Collapse | None:
+    """The same under any loads on some of the parts.
+
+    Args:
+        cells: where parts are; each is joined to the floor by a chain of faces.
+        material: what holds them together.
+        loads: force and moment (6,) about the centre of each part that has one.
+
+    Returns:
+        None if all parts stay.
+    """
+    structure = Structure(cells, material)
+    forces = structure.weights()
+    for cell, load in loads.items():
+        forces[structure.cells.index(cell)] += load
+    return _told(structure, accelerations(structure, forces[None], STAYS)[0], pushed=True)
+
+
+def _told(structure: Structure, motion: Floats, *, pushed: bool) -> Collapse | None:
+    """What moves, by the accelerations of parts (parts x 6); None if all stay."""
+    if np.abs(motion).max().round(_ALIKE) <= STAYS:
         return None
-    moves = np.abs(motions[case]).max(axis=1) > STAYS
-    gives = np.abs(structure.relative(motions[case : case + 1])[0]).max(axis=1)
+    moves = np.abs(motion).max(axis=1) > STAYS
+    gives = np.abs(structure.relative(motion[None])[0]).max(axis=1)
     return Collapse(
         moving=tuple(sorted(c for c, moved in zip(structure.cells, moves, strict=True) if moved)),
         weakest=structure.joints[int(gives.round(_ALIKE).argmax())],
-        pushed=loads[case] != REST,
+        pushed=pushed,
     )
 
 

@@ -179,6 +179,8 @@ def test_a_part_that_is_picked_from_under_others_lets_them_fall(hand: Hand) -> N
     hand.open()
     hand.over(0.05, 0.05, 0.2)
     hand.close()
+    assert hand.kinds() == []
+    hand.go(0.05, 0.05, 0.25)
     assert [(v.kind, v.cell) for v in hand.world.violations] == [
         (ViolationKind.LOST_SUPPORT, (1, 0, 1))
     ]
