@@ -147,8 +147,8 @@ class Request(Value):
     """Which back end decided."""
     why: str = ""
     """By what it decided, in words for whoever looks into it."""
-    cloud: bool = False
-    """Whether the words left this computer."""
+    cloud: str = ""
+    """Where the words were sent to be understood; empty when they never left this computer."""
 
     @property
     def buildable(self) -> bool:

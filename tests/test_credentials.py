@@ -22,7 +22,7 @@ def test_systemd_comes_before_the_environment(
     monkeypatch.setenv("CREDENTIALS_DIRECTORY", str(tmp_path))
     found = find_credential("llm-key")
     assert found is not None
-    assert found.secret == "from-systemd"
+    assert (found.secret, found.source) == ("from-systemd", str(tmp_path / "llm-key"))
     assert "from-systemd" not in repr(found)
 
 

@@ -38,6 +38,7 @@ from cellctl.cli import (
     screen_command,
     sim_commands,
     status_commands,
+    understand_command,
 )
 from cellctl.errors import CellctlError, ExitStatus
 
@@ -68,6 +69,7 @@ def _root(
 for module in (
     run_command,
     demo_command,
+    understand_command,
     design_command,
     plan_command,
     paper_command,

@@ -86,6 +86,14 @@ class Follower:
             self._console.print(f"[green]{'heard':<26}[/] {words!r} by {data.utterance.recogniser}")
         else:
             self._console.print(f"[green]{'understood':<26}[/] {data.request.phrase}")
+            if changed := data.request.corrections:
+                told = ", ".join(f"{each.heard!r} as {each.taken!r}" for each in changed)
+                self._console.print(f"[green]{'taken':<26}[/] {told}")
+            if data.request.cloud:
+                self._console.print(
+                    f"[yellow]{'your words were sent to':<26}[/] {data.request.cloud}, "
+                    "to be understood"
+                )
 
     def _part(self, data: PartData) -> None:
         self._progress.update(self._bar, total=data.total, completed=data.placed, visible=True)

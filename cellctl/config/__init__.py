@@ -42,6 +42,7 @@ from cellctl.config.services import (
     PlanningSection,
     PolicySection,
 )
+from cellctl.config.understanding import UnderstandingSection
 
 __all__ = [
     "DEFAULT_PATH",
@@ -65,6 +66,7 @@ __all__ = [
     "Section",
     "StabilitySection",
     "ToolSection",
+    "UnderstandingSection",
     "Vector",
     "VoxelSection",
     "WorkspaceSection",

@@ -31,6 +31,7 @@ from cellctl.config.services import (
     PlanningSection,
     PolicySection,
 )
+from cellctl.config.understanding import UnderstandingSection
 
 
 class CellConfig(Section):
@@ -48,6 +49,7 @@ class CellConfig(Section):
     gripper: GripperSection
     feeder: FeederSection
     hearing: HearingSection = HearingSection()
+    understanding: UnderstandingSection = UnderstandingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()
     journal: JournalSection = JournalSection()

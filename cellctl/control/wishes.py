@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 
 import structlog
@@ -23,7 +24,7 @@ from cellctl.control.ledger import Ledger
 from cellctl.control.states import Event
 from cellctl.errors import NoObjectError
 from cellctl.listening.hearing import Hearing
-from cellctl.listening.understanding.embedded import EmbeddedInterpreter
+from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
 from cellctl.worker import WorkerProcess
@@ -59,7 +60,7 @@ class Wishes:
         self._designer = designer
         self._show = show
         self._ledger = ledger
-        self._interpreter: Interpreter = EmbeddedInterpreter()
+        self._interpreter: Interpreter = interpreter_for(config)
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
         self.recogniser = "not loaded"
@@ -86,7 +87,10 @@ class Wishes:
     async def interpret(self, job: Job, post: Post) -> None:
         """Find out what the words ask for."""
         assert job.utterance is not None
-        request = self._interpreter.interpret(job.utterance.text, Setting.of(self._config))
+        # It may ask a service; the loop goes on meanwhile.
+        request = await asyncio.to_thread(
+            self._interpreter.interpret, job.utterance.text, Setting.of(self._config)
+        )
         self._show(SpeechData(utterance=job.utterance, request=request))
         log.info("understood", intent=request.intent, phrase=request.phrase)
         job.request = request

@@ -77,6 +77,9 @@ def _counted(words: Sequence[str], number: tuple[float, int], head: str, found: 
             continue
         if singular(noun) == "shelf" and head not in (
             "bookcase",
+            "shelf",
+            "rack",
+            "wardrobe",
             "bookshelf",
             "cabinet",
             "cupboard",

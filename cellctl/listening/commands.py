@@ -12,7 +12,10 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("stop", "stop it", "stop that", "stop everything", "stop moving", "stop building"),
         *("stop the robot", "stop the arm", "emergency stop", "halt", "freeze"),
     ),
-    "pause": ("pause", "wait", "wait a moment", "wait a minute", "hold on", "hold it", "hang on"),
+    "pause": (
+        *("pause", "wait", "wait a moment", "wait a minute", "wait a second", "hold on"),
+        *("hold it", "hang on"),
+    ),
     "resume": ("resume", "continue", "go on", "carry on", "keep going", "proceed"),
     "cancel": (
         *("cancel", "cancel it", "cancel that", "cancel the build", "cancel the job", "abort"),
@@ -21,12 +24,23 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
     "yes": (
         *("yes", "yeah", "yep", "yup", "sure", "okay", "ok", "of course", "correct", "do it"),
         *("go ahead", "go for it", "that's right", "looks good", "sounds good", "build it"),
-        *("yes go ahead", "yes do it", "yes build it", "okay go ahead", "okay do it", "okay go"),
+        *("yes please", "that's fine", "that's good", "that's perfect", "perfect", "sounds great"),
+        *("yes go ahead", "yes do it", "yes build it", "yes please build it", "yes please do"),
+        *("okay go ahead", "okay do it", "okay go"),
     ),
-    "no": ("no", "nope", "nah", "no thanks", "no thank you", "don't", "do not", "don't do it"),
-    "take_apart": ("take it apart", "take it down", "clear it away", "disassemble it"),
+    "no": (
+        *("no", "nope", "nah", "no thanks", "no thank you", "don't", "do not", "don't do it"),
+        *("no don't",),
+    ),
+    "take_apart": (
+        *("take it apart", "take it apart again", "take it down", "clear it away"),
+        *("disassemble it",),
+    ),
     "repeat": ("say that again", "repeat", "repeat that", "what did you say", "pardon"),
-    "again": ("do it again", "build it again", "once more", "again"),
+    "again": (
+        *("do it again", "build it again", "build another one", "make another one", "once more"),
+        *("again",),
+    ),
     "help": ("help", "help me"),
 }
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}

@@ -11,7 +11,7 @@ from cellctl.listening.numbers import read_number
 
 Source = Literal["stated", "voxels", "axis_assumed"]
 
-_UNITS_M = {
+UNITS_M = {
     **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 0.001),
     **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre", "centimetres"), 0.01),
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
@@ -63,7 +63,7 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
         values.append(number[0])
         end = number[1]
         # "thirty centimeters by forty centimeters" repeats its unit.
-        repeated = end + 1 < len(words) and words[end] in _UNITS_M and words[end + 1] == "by"
+        repeated = end + 1 < len(words) and words[end] in UNITS_M and words[end + 1] == "by"
         end += repeated
         if end >= len(words) or words[end] != "by" or len(values) == 3:
             break
@@ -91,15 +91,15 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
 def _number(words: Sequence[str], start: int) -> tuple[float, int] | None:
     if (number := read_number(words, start)) is not None:
         return number
-    if start + 1 < len(words) and words[start] in ("a", "an") and words[start + 1] in _UNITS_M:
+    if start + 1 < len(words) and words[start] in ("a", "an") and words[start + 1] in UNITS_M:
         return 1.0, start + 1
     return None
 
 
 def _unit_m(words: Sequence[str], index: int, pitch_m: float, values: int) -> float | None:
     word = words[index]
-    if word in _UNITS_M:
-        return _UNITS_M[word]
+    if word in UNITS_M:
+        return UNITS_M[word]
     if word in _VOXELS and (values > 1 or (index + 1 < len(words) and words[index + 1] in _AXES)):
         return pitch_m
     return None

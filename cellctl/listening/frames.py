@@ -4,93 +4,181 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Literal
 
 from cellctl.listening.lexicon import LEXICON
 
-_VERB = f"(?:{'|'.join(sorted(LEXICON.verbs))})"
-_GERUND = f"(?:{'|'.join(sorted(LEXICON.gerunds))})"
-_FOR_ME = r"(?: for (?:me|us))?(?: (?:me|us))?"
-_VERBS = rf"{_VERB}(?: and {_VERB})*{_FOR_ME}"
-_WHO = r"(?:i|we|you|they|he|she|my \w+|our \w+|the \w+)"
-_FRAMES = tuple(
-    re.compile(pattern)
-    for pattern in (
-        # "I want you to build", "I would like to have", "my daughter wants"
-        rf"{_WHO} (?:would like|'d like|want|wants|need|needs|wish for|could use|would love)"
-        rf"(?: you)?(?: to (?:have|{_VERBS}))?",
-        rf"(?:i'd|we'd) (?:like|love)(?: you)?(?: to (?:have|{_VERBS}))?",
-        rf"(?:can|could|would|will) you {_VERBS}",
-        rf"(?:can|could|may) (?:i|we) (?:have|get)(?: you to {_VERBS})?",
-        rf"would you mind {_GERUND}{_FOR_ME}",
-        r"(?:let me|let us|let's) (?:have|get)",
-        rf"(?:let me|let us|let's) {_VERBS}",
-        r"(?:i am|i'm|we are|we're) (?:looking for|after)",
-        r"(?:is there )?any chance of",
-        r"(?:it would|it'd) be (?:great|nice|lovely|good|cool) to have",
-        r"(?:how|what) about",
-        rf"{_VERBS}",
-    )
+_MAKE = f"(?:{'|'.join(sorted(LEXICON.verbs))}|put together|come up with|three d print|3 d print)"
+_MAKING = f"(?:{'|'.join(sorted(LEXICON.gerunds))}|putting together|starting|beginning)"
+_FOR_ME = (
+    r"(?: for (?:me|us|him|her|them|my \w+|our \w+))?(?: please)?"
+    r"(?: (?:me|us|him|her|them|yourself|up))?"
 )
-_THINKING = re.compile(r"(?:i think|i guess|i suppose|you know|i mean|now|then|and|so) ")
-_EDITS = tuple(
-    re.compile(pattern)
-    for pattern in (
-        r"(?:add|remove|take (?:off|away)|put|attach|delete|lose) .+",
-        r"(?:a (?:bit|little)|slightly|much|even|not|less|more|same but) .+",
-        r"(?:the )?same .*",
-        r"(?:the )?\w+ (?:is|are) (?:too|not) .+",
-        r"(?:it|they|that|this) (?:needs?|should|must|has|is|looks?) (?:to )?(?:be |have |too )?.+",
-        r"make (?:that|it) (?:one|two|three|four|five|six)",
-        r"with .+",
-        r"(?:bigger|smaller|taller|wider|shorter|longer|higher|lower|deeper)(?: .*)?",
-    )
+_MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
+_WHO = (
+    r"(?:i|we|you|they|he|she|(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
+    r"mommy|daddy)"
 )
-_MAKE_CHANGE = re.compile(r"(?:make|turn|change) (?:it|that|this|them|the \w+) (?P<how>.+)")
+_WANT = (
+    r"(?:would (?:really |just )?(?:like|love|prefer|want)|'d (?:really )?(?:like|love|prefer)|"
+    r"want|wants|wanted|need|needs|needed|wish for|could use|could do with|demand|demands|"
+    r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
+)
+_GET = r"(?:get|give|bring|fetch|hand|lend|show|grant)"
+_POLITE = (
+    r"(?:can|could|would|will|won't|can't|couldn't) you(?: please)?(?: just| maybe| possibly)?"
+)
+_LEADS = re.compile(
+    r"(?:(?:i think|i guess|i suppose|i mean|you know|now|then|and|so|but|next|first|also|today|"
+    r"this time|for now|alright|all right|yeah|yes|great|cool|listen|look|"
+    r"attention|dear \w+|no(?= (?:an?|the|i|make|build|give)\b)|"
+    r"if you (?:can|could|would|don't mind)(?: please)?|if possible|if it's possible|"
+    r"i (?:was|am|'m) (?:hoping|wondering|thinking)(?: of| about| if| whether| that)?|"
+    r"i'm (?:hoping|wondering|thinking)(?: of| about| if| whether| that)?|"
+    r"i wonder (?:if|whether)|i hope|"
+    r"i (?:would|'d) (?:be happy|be glad|appreciate it|love it) if|i'd (?:be happy|be glad|"
+    r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if|"
+    r"do you think|(?:would|is) it (?:be )?possible(?: for you)?(?= to\b)|"
+    r"is there (?:any|a) way(?: you could|"
+    r"(?= to\b))|are you able(?= to\b)|do you mind|go ahead and|try (?:to|and)|start by|"
+    r"i (?:want|need|would like|'d like) you to (?:try to|please|go ahead and)(?= )|just|"
+    r"to) )+"
+)
+Kind = Literal["making", "having", "bare"]
+
+
+def _frames(*rows: tuple[Kind, str]) -> tuple[tuple[Kind, re.Pattern[str]], ...]:
+    return tuple((kind, re.compile(rf"{pattern}(?= |$)")) for kind, pattern in rows)
+
+
+_FRAMES = _frames(
+    # "I want you to build", "my daughter wants", "we would like to have".
+    (
+        "making",
+        rf"{_WHO} ?{_WANT}(?: you| the robot| the machine)?(?: please)? to (?:please |just )?"
+        rf"{_MAKES}",
+    ),
+    ("having", rf"{_WHO} ?{_WANT} to (?:have|order|get|own)"),
+    ("having", rf"{_WHO} ?(?:would|'d) (?:like|love) to see(?= an? )"),
+    ("having", rf"{_WHO} ?{_WANT}(?! to\b| you\b| it\b| that\b| this\b)"),
+    ("having", r"i feel like(?: having)?"),
+    ("having", rf"{_WHO} ?{_WANT} to (?:place|make) an order for"),
+    ("having", r"(?:can|could|may|might) (?:i|we) (?:trouble|bother) you for"),
+    ("having", r"(?:i am|i'm|we are|we're) in (?:\w+ )?need of"),
+    ("having", r"(?:i|we) wish (?:i|we) had"),
+    ("making", rf"would you be (?:so )?(?:kind|good|nice)(?: enough)?(?: as)? to {_MAKES}"),
+    ("having", r"(?:all|what) (?:i|we)(?: really)?(?: want| need| would like|'d like) is"),
+    ("making", rf"{_POLITE} {_MAKES}"),
+    ("making", rf"(?:you (?:could|can|should|must|may)|(?:could|can) we) {_MAKES}"),
+    ("having", rf"{_POLITE} {_GET}(?: me| us)?"),
+    ("having", r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get)"),
+    ("making", rf"{_POLITE} do(?= an? | the (?:letter|number))"),
+    ("making", rf"(?:can|could|may|might) (?:i|we) (?:have|get|ask) you to {_MAKES}"),
+    ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:have|get)"),
+    ("making", rf"(?:would|do) you mind {_MAKING}{_FOR_ME}"),
+    ("making", rf"(?:start|begin|try|consider) {_MAKING}{_FOR_ME}"),
+    ("making", rf"{_MAKING}{_FOR_ME}"),
+    (
+        "having",
+        r"(?:let me|let us|let's) (?:have|get|see|try|do|go (?:with|for))"
+        r"(?= an? | the (?:letter|number))",
+    ),
+    ("making", rf"(?:let me|let us|let's) (?:try to )?{_MAKES}"),
+    ("making", rf"(?:let me|let us|let's) (?:have|get) you to {_MAKES}"),
+    ("having", r"(?:i am|i'm|we are|we're|we|i) (?:looking for|after)"),
+    (
+        "having",
+        r"(?:is there )?any (?:chance|way) (?:of|to get|for|i could get|i can get)"
+        r"(?: getting| having)?",
+    ),
+    ("having", r"(?:it would|it'd) be (?:great|nice|lovely|good|cool|awesome) to (?:have|get|see)"),
+    ("having", r"(?:how|what) about"),
+    ("having", r"(?:i am|i'm) (?:in need of|in the mood for|craving|dying for)"),
+    ("having", r"(?:i|we) (?:will|'ll) (?:have|take|go (?:with|for))(?= an? )"),
+    ("having", r"show (?:me|us)(?= an? )"),
+    ("having", r"(?:get|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
+    ("having", r"(?:get|give|bring)(?= an? | two| three| four| some )"),
+    ("making", rf"{_MAKES}"),
+)  # fmt: skip
 _QUESTION_FRAMES = re.compile(
-    r"(?:is|are|do|does|did|was|were|have|has) (?:you|it|there|this|that|i) "
+    r"(?:is|are|am|do|does|did|was|were|have|has|had|should|shall|isn't|aren't|don't|doesn't|didn't|"
+    r"can|could|may|will|would|won't|might) "
+    r"(?:you|it|there|this|that|these|those|i|we|he|she|they|the|a|an|my|your|his|her|our|kids|"
+    r"anyone|anybody|somebody|someone)\b"
 )
+_RETELLS = re.compile(
+    r"(?:i|we|you|he|she|they|it|nobody|everybody|somebody|there)"
+    r"(?:'m|'re|'s|'ve|'d|'ll)? (?!want|need|like|love|would|'d|could|wish|demand|prefer|fancy|"
+    r"feel)\w+"
+)
+_LIKENESS = re.compile(
+    r"(?:something|anything|an? (?:\w+ )?(?:thing|object|shape|structure|model|one)) "
+    r"(?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
+    r"resembling|in the (?:shape|form) of)(?= (?:an?|the|my|some) )"
+)
+
+
+_POSSIBLE = re.compile(r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get) ")
+_LATER = re.compile(
+    r"\b(?:(?:can|could|would|will) you (?:please )?(?:make|build|create|design|assemble) |"
+    r"(?:i|we)(?: really)?(?: want| need|'d like| would like) (?=(?:an?|some|two|three|another) )|"
+    r"(?:so |then |and |please )?(?:make|build|create|assemble) (?:me |us )?(?=(?:an?|two|three) ))"
+)
+_GOVERNS = frozenset(
+    {"to", "how", "if", "that", "when", "where", "what", "why", "who", "said", "says", "not", "no",
+     "don't", "didn't", "can't", "won't", "never", "you", "i", "we", "they", "he", "she", "it",
+     "do", "does", "did", "can", "could", "would", "should", "will", "think", "know", "whether",
+     "because", "helped", "watched", "saw", "let", "robots", "people", "a", "an", "the", "or",
+     "until", "before", "after", "while", "unless", "things", "thing"}
+)  # fmt: skip
+"""After these a clause tells or depends, and asks for nothing."""
 
 
 @dataclass(frozen=True)
 class Frame:
     """A sentence split into how it asks and what for."""
 
-    asks: bool
-    """True when it says so ("build me ..."); False for a bare phrase."""
+    kind: Kind
+    """How it asks: to make something, to have it, or not at all, standing alone as a phrase."""
     rest: tuple[str, ...]
     """The wish."""
-    edits: bool = False
-    """True when the wish is to change an object rather than to have one."""
+    of_speaker: bool = False
+    """Whether it says "make me a ...", which is also said of what one wants to become."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether the sentence says that something is wanted."""
+        return self.kind != "bare"
 
 
 def find_frame(words: tuple[str, ...]) -> Frame:
     """Split off greetings, fillers, politeness and the words that ask."""
-    text = " ".join(_without_fillers(words))
-    while match := _THINKING.match(text):
+    text = " ".join(plain_words(words))
+    while (match := _LEADS.match(text)) and not _POSSIBLE.match(text):
         text = text[match.end() :]
-    asks, polite = False, text
-    for pattern in _FRAMES:
-        if match := re.match(rf"{pattern.pattern}(?= |$)", text):
-            asks, text = True, text[match.end() :].strip()
+    kind: Kind = "bare"
+    of_speaker = False
+    for name, pattern in _FRAMES:
+        if match := pattern.match(text):
+            kind, text = name, text[match.end() :].strip()
+            of_speaker = match[0].endswith("make me")
             break
-    if asks and is_edit(tuple(polite_stripped := _unasked(polite))):
-        return Frame(True, tuple(polite_stripped), edits=True)
-    rest = tuple(text.split())
-    return Frame(asks, rest, edits=not asks and is_edit(rest))
+    if match := _LIKENESS.match(text):
+        text = text[match.end() :].strip()
+    return Frame(kind, tuple(text.split()), of_speaker)
 
 
-def is_edit(words: tuple[str, ...]) -> bool:
-    """Whether a wish changes an object rather than naming one."""
-    text = " ".join(words)
-    if any(pattern.fullmatch(text) for pattern in _EDITS):
-        return True
-    if match := _MAKE_CHANGE.fullmatch(text):
-        last = match["how"].split()
-        article = len(last) > 1 and last[0] in ("a", "an")
-        compares = last[0] in LEXICON.comparatives or last[-1] in LEXICON.comparatives
-        coloured = last[-1] in LEXICON.colours
-        return article or compares or coloured
-    return False
+def later_wish(words: tuple[str, ...]) -> tuple[str, ...] | None:
+    """The clause that asks, of a sentence that says something else first.
+
+    ``my books are all over the floor i need a shelf``, ``scrap that make a bench``.
+    """
+    text = " ".join(plain_words(words))
+    for match in _LATER.finditer(text):
+        before = text[: match.start()].split()
+        if len(before) > 1 and before[-1] not in _GOVERNS:
+            return tuple(text[match.start() :].split())
+    return None
 
 
 def is_question(words: tuple[str, ...]) -> bool:
@@ -101,13 +189,22 @@ def is_question(words: tuple[str, ...]) -> bool:
     )
 
 
-def _without_fillers(words: tuple[str, ...]) -> list[str]:
+def is_told(words: tuple[str, ...]) -> bool:
+    """Whether a sentence tells what somebody does or did: ``i broke the vase``."""
+    return _RETELLS.match(" ".join(words)) is not None
+
+
+def plain_words(words: tuple[str, ...]) -> list[str]:
+    """The words without greetings in front and without fillers."""
     kept = list(words)
     while kept and kept[0] in LEXICON.greetings:
         kept = kept[1:]
-    return [word for word in kept if word not in LEXICON.fillers]
-
-
-def _unasked(text: str) -> list[str]:
-    """The sentence without "can you": what is left of an edit starts with its own verb."""
-    return re.sub(r"^(?:can|could|would|will) you ", "", text).split()
+    kept = [
+        word
+        for index, word in enumerate(kept)
+        if word not in LEXICON.fillers
+        or (index and kept[index - 1] in ("a", "the") and word == "well")
+    ]
+    while kept and kept[0] in LEXICON.greetings:
+        kept = kept[1:]
+    return kept

@@ -21,7 +21,7 @@ _IRREGULAR = {
     "boxes": "box",
     "dice": "die",
 }
-_NEVER_PLURAL = ("ss", "us", "is", "news", "stairs")
+_NEVER_PLURAL = ("ss", "us", "is", "ics", "news", "stairs")
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,14 @@ class Lexicon:
             return True
         if noun in self.abstract or noun in self.vague or noun in self.colours:
             return False
-        if len(noun) > 6 and noun.endswith(self.abstract_suffixes):
-            return False
         # Closed compounds: a "birdcage" is a cage.
         if any(len(noun) > len(known) + 2 and noun.endswith(known) for known in self.families):
             return True
         return None
+
+    def sounds_abstract(self, noun: str) -> bool:
+        """Whether a noun that nobody listed ends as those do that name no thing."""
+        return len(noun) > 6 and noun.endswith(self.abstract_suffixes)
 
 
 def singular(noun: str) -> str:

@@ -1,4 +1,4 @@
-"""The noun phrase of a wish: its words, its head noun, how many, and whether it is a thing."""
+"""The noun phrase of a wish: its words, its head noun, how many there are."""
 
 from __future__ import annotations
 
@@ -8,14 +8,23 @@ from dataclasses import dataclass
 
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
+from cellctl.listening.understanding.judging import is_participle
 
 _REPAIR_MARK = (
-    r"(?:(?:no|actually) make (?:it|that)|no wait|wait no|no sorry|sorry|i mean|no|or rather|rather"
-    r"|make that)"
+    r"(?:(?:no|actually) make (?:it|that)|no wait|wait no|no sorry|sorry i mean|sorry|i mean|no|"
+    r"or rather|rather|make that|actually|wait)"
 )
 _NUMBER_REPAIR = re.compile(rf"\b(\w+) (\w+) {_REPAIR_MARK} (\w+) (\w+)\b")
-_OBJECT_REPAIR = re.compile(rf"\b(?:a|an|the) [a-z ]+? {_REPAIR_MARK} ((?:a|an|the) \w+)")
-_TRAILING = frozenset({"please", "instead", "now", "today", "then", "thanks"})
+_OBJECT_REPAIR = re.compile(
+    rf"\b(?:a|an|the) [a-z ]+? {_REPAIR_MARK} (?:i (?:want|need) )?((?:a|an|the) \w+)"
+)
+_TRAILING = frozenset(
+    {"please", "instead", "now", "today", "then", "thanks", "again", "too", "quickly", "possible",
+     "first", "next", "soon", "immediately", "robot", "ok", "okay"}
+)  # fmt: skip
+_GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+_SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
+"""Words that only lead to a size, and go with it."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +36,14 @@ class NounPhrase:
     objects: tuple[str, ...]
     """Head nouns, singular."""
     count: int
-    abstract: bool
-    """True when it names nothing that can be touched."""
+    core: tuple[str, ...]
+    """The words up to its noun, without the article."""
+    determiner: str
+    """The word before them, such as ``a`` or ``my``; a number for a counted one; or empty."""
+    rest: tuple[str, ...]
+    """All that follows the core in the sentence, less its sizes."""
+    either: bool = False
+    """Whether it names several of which one is wanted: ``a bench or a stool``."""
 
 
 def repair(words: list[str]) -> list[str]:
@@ -45,72 +60,81 @@ def _keep_later_number(match: re.Match[str]) -> str:
     return f"{later} {again}" if is_count and singular(noun) == singular(again) else match[0]
 
 
-def read_phrase(
-    words: Sequence[str], size_spans: Sequence[tuple[int, int]], *, asked: bool
-) -> NounPhrase | None:
+def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> NounPhrase | None:
     """Read the phrase that a wish starts with.
 
     Args:
         words: the wish, without what asks for it.
         size_spans: ranges of words that state a size; they are no part of the phrase.
-        asked: whether the sentence said that something is wanted. A phrase that stands alone must
-            have an article or be known.
 
     Returns:
-        None when there is no noun phrase that could be a wish.
+        None when there is no noun phrase.
     """
-    sized = {index for start, end in size_spans for index in range(start, end)}
-    kept = [word for index, word in enumerate(words) if index not in sized]
-    while kept and kept[-1] in _TRAILING:
+    kept = _without_sizes(words, size_spans)
+    while len(kept) > 1 and kept[-1] in _TRAILING and kept[-2] not in LEXICON.determiners:
         kept.pop()
-    count, start, determined = _determiner(kept)
+    count, start, determiner = _determiner(kept)
     numeral = _numeral(kept, start) if count > 1 else []
     end = start
-    while end < len(kept) and kept[end] not in LEXICON.enders | LEXICON.finite:
+    stops = LEXICON.enders | LEXICON.finite
+    # A "plus sign" begins with what elsewhere joins two things.
+    while end < len(kept) and (kept[end] not in stops or (end == start and kept[end] == "plus")):
         if end > start and read_number(kept, end) is not None and kept[end - 1] not in _GLYPHS:
+            break
+        if end > start and is_participle(kept, end):
             break
         end += 1
     core = kept[start:end]
     if core and not core[-1].isalpha() and not (len(core) > 1 and core[0] in _GLYPHS):
         return None
-    owned = kept[start - 1 : start] not in ([], ["a"], ["an"], ["the"], ["another"], ["some"])
-    if not core or (not asked and (_is_statement(kept, end) or LEXICON.determiners & set(core))):
+    if not core:
         return None
+    rest = tuple(kept[end:])
     head, tail = _head(core, kept[end:])
-    physical = _is_physical(core, head, determined=determined and not owned)
-    if not physical and not asked and not determined and _is_unknown(head):
-        return None
-    others, tail = _others(tail)
-    text = " ".join([*numeral, *core, *tail])
+    others, more, tail, either = _others(tail, rest)
     return NounPhrase(
-        text=text,
+        text=" ".join([*numeral, *core, *tail]),
         objects=(head, *others),
-        count=count + len(others),
-        abstract=not physical,
+        count=count + more,
+        core=tuple(core),
+        determiner=determiner,
+        rest=rest,
+        either=either,
     )
 
 
-_GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+def _without_sizes(words: Sequence[str], spans: Sequence[tuple[int, int]]) -> list[str]:
+    sized = {index for start, end in spans for index in range(start, end)}
+    for start, _ in spans:
+        before = start - 1
+        while before > 0 and words[before] in _SIZED and before not in sized:
+            sized.add(before)
+            before -= 1
+    return [word for index, word in enumerate(words) if index not in sized]
 
 
-def _determiner(words: Sequence[str]) -> tuple[int, int, bool]:
-    """Count, index of the first word after the determiner, and whether there was one."""
-    start, determined = 0, False
+def _determiner(words: Sequence[str]) -> tuple[int, int, str]:
+    """Count, index of the first word after the determiner, and the determiner."""
+    start, determiner = 0, ""
     while start < len(words) and words[start] in LEXICON.determiners:
         number = read_number(words, start)
         if number is not None:
             break
-        start, determined = start + 1, True
+        start, determiner = start + 1, words[start]
     number = read_number(words, start)
     if number is None:
-        return 1, start, determined
+        return 1, start, determiner
     value, end = number
     following = words[end] if end < len(words) else ""
     counts_part = singular(following) in LEXICON.parts and end + 1 < len(words)
-    adjective = following.endswith("ed")
+    adjective = following.endswith("ed") or following in ("seater", "sided", "person", "story")
     if counts_part or adjective or end >= len(words) or words[end] in LEXICON.enders:
-        return 1, start, True  # "a three tier shelf", "a three legged stool", "a seven"
-    return max(1, int(value)), end, True
+        return (
+            1,
+            start,
+            determiner or "a",
+        )  # "a three tier shelf", "a three legged stool", "a seven"
+    return max(1, int(value)), end, determiner or "one"
 
 
 def _numeral(words: Sequence[str], end: int) -> list[str]:
@@ -122,56 +146,51 @@ def _numeral(words: Sequence[str], end: int) -> list[str]:
 def _head(core: list[str], rest: Sequence[str]) -> tuple[str, list[str]]:
     """The head noun, and the words after the core that belong to the phrase."""
     nouns = [word for word in core if not (len(word) == 1 and word.isalnum())]
-    if core[0] in _GLYPHS and len(core) > 1:
-        nouns = ["letter" if core[0] in ("letter", "capital") else "number"]
-    if core[0] == "capital" and len(core) > 1:
-        core[0] = "letter"
+    glyph = next((i for i, word in enumerate(core[:-1]) if word in _GLYPHS), None)
+    if glyph is not None and (len(core[-1]) == 1 or read_number(core, len(core) - 1) is not None):
+        nouns = ["letter" if core[glyph] in ("letter", "capital") else "number"]
+        if core[glyph] == "capital":
+            core[glyph : glyph + 1 + (core[glyph + 1] == "letter")] = ["letter"]
     if core[0] == "word" and len(core) > 1:
         return "word", _with(rest)
     head = singular(nouns[-1] if nouns else core[-1])
-    if rest[:1] == ["of"] and head in LEXICON.of_nouns:
+    if rest[:1] == ["of"]:
         after = list(rest[1:])
-        stop = next((i for i, word in enumerate(after) if word in LEXICON.enders), len(after))
+        stops = LEXICON.enders | LEXICON.finite
+        stop = next((i for i, word in enumerate(after) if word in stops), len(after))
         inner = after[:stop]
         if inner:
-            return singular(inner[-1]), ["of", *inner, *_with(after[stop:])]
+            named = singular(inner[-1]) if head in LEXICON.of_nouns else head
+            return named, ["of", *inner, *_with(after[stop:])]
     return head, _with(rest)
 
 
 def _with(rest: Sequence[str]) -> list[str]:
     """What follows the core: features ("with ...") stay, uses ("for ...", "to ...") go."""
-    if rest[:1] not in (["with"], ["without"], ["and"], ["plus"]):
+    if rest[:1] not in (["with"], ["without"], ["and"], ["plus"], ["having"]):
         return []
     stops = (LEXICON.enders | LEXICON.finite | {"make"}) - {"with", "without", "and", "no", "plus"}
-    end = next((i for i, word in enumerate(rest) if word in stops), len(rest))
+    end = next((i for i, word in enumerate(rest) if i and word in stops), len(rest))
     kept = list(rest[:end])
-    while kept and kept[-1] in ("and", "plus", "with"):
+    while kept and kept[-1] in ("and", "plus", "with", "having"):
         kept.pop()
     return kept
 
 
-def _others(tail: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Further objects of "a shelf and a stool"; "a shelf and make it red" has none."""
+def _others(tail: list[str], rest: Sequence[str]) -> tuple[tuple[str, ...], int, list[str], bool]:
+    """Further objects of "a shelf and a stool", and how many; whether one of them is wanted."""
+    if rest[:1] == ("or",):
+        after = [word for word in rest[1:] if word not in LEXICON.fillers]
+        if after[:1] and after[0] in LEXICON.determiners and len(after) > 1:
+            noun = singular(after[-1])
+            if LEXICON.is_physical(noun):
+                return (noun,), 0, [], True
+        return (), 0, tail, False
     if tail[:1] not in (["and"], ["plus"]) or len(tail) < 2:
-        return (), tail
+        return (), 0, tail, False
     noun = singular(tail[-1])
-    if tail[1] in LEXICON.determiners and LEXICON.is_physical(noun):
-        return (noun,), tail
-    return (), []
-
-
-def _is_physical(core: list[str], head: str, *, determined: bool) -> bool:
-    known = LEXICON.is_physical(head)
-    if known is not None:
-        return known
-    # A noun nobody listed: things take an article ("a waffle iron"), ideas do not ("create ennui"),
-    # and what is somebody's ("my mommy") exists already.
-    return determined or core[-1] != head
-
-
-def _is_unknown(head: str) -> bool:
-    return LEXICON.is_physical(head) is None
-
-
-def _is_statement(words: Sequence[str], end: int) -> bool:
-    return end < len(words) and words[end] in LEXICON.finite
+    number = read_number(tail, 1)
+    counted = tail[1] in LEXICON.determiners or number is not None
+    if counted and LEXICON.is_physical(noun):
+        return (noun,), int(number[0]) if number else 1, tail, False
+    return (), 0, [], False

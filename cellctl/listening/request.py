@@ -1,8 +1,9 @@
-"""The request reader: a sentence becomes a Request, by rules, in well under a millisecond.
+"""The request reader: a sentence becomes a Request, by rules and tables, in about a millisecond.
 
 The order decides: control words by exact match first; then corrections by sound; then edits and
-questions; then the frames in which people ask for things ("could you build me ..."); and last what
-the phrase names: a thing, an idea, or nothing in particular.
+questions; then the frames in which people ask for things ("could you build me ..."); then what the
+phrase names: a thing, an idea, or nothing in particular; and last whether such a thing is wanted
+built, for people want coffee, tickets and a table for two as well.
 """
 
 from __future__ import annotations
@@ -14,15 +15,30 @@ from cellctl.assembly import Correction, Intent, Request
 from cellctl.listening.attributes import read_attributes, read_glyph
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.dimensions import read_sizes
-from cellctl.listening.frames import Frame, find_frame, is_question
+from cellctl.listening.frames import (
+    Frame,
+    find_frame,
+    is_question,
+    is_told,
+    later_wish,
+    plain_words,
+)
+from cellctl.listening.lexicon import LEXICON
 from cellctl.listening.phrases import NounPhrase, read_phrase, repair
 from cellctl.listening.snapping import snap
+from cellctl.listening.understanding.edits import Editing, read_edits
+from cellctl.listening.understanding.hints import hints_of, meant_by, question_of
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
+from cellctl.listening.understanding.judging import Judgement
+from cellctl.listening.understanding.policy import refusal_of
+from cellctl.listening.understanding.wanting import Verdict, is_wanted
 
 _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
+_MOST_CHARACTERS = 600
+"""What is longer was not said to a cell; it bounds the time that reading takes."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +50,9 @@ class _Heard:
     changes: tuple[Correction, ...]
 
 
-def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
+def read_request(  # noqa: PLR0911 - one way out a kind of sentence
+    text: str, setting: Setting = DEFAULT_SETTING
+) -> Request:
     """Understand one sentence.
 
     Args:
@@ -45,7 +63,7 @@ def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
         A request; its ``reason`` says, for the visitor, why it is none or what was corrected.
     """
     if not text.strip():
-        return _none(text, "I heard nothing.")
+        return _none(text, "I heard nothing.", "there are no words")
     if (command := spoken_command(text)) is not None:
         return Request(
             text=text,
@@ -53,19 +71,31 @@ def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
             phrase="false",
             command=command,
             reason=f"That is the command {command!r}.",
+            why="it is word for word a command",
         )
+    if len(text) > _MOST_CHARACTERS:
+        return _none(text, f"That was too long for me. {_TRY}", "it is too long")
     snapped = snap(tokens(text))
     heard = _Heard(text, tuple(repair(snapped.words)), tuple(snapped.changes))
+    plain = tuple(plain_words(heard.words))
+    if (editing := read_edits(plain, setting.pitch_m)) is not None:
+        return _edit(heard, editing)
     frame = find_frame(heard.words)
-    if frame.edits:
-        return _edit(heard, frame)
-    if is_question(heard.words) and not frame.asks:
+    if not frame.asks and (later := later_wish(plain)) is not None:
+        request = _design(heard, find_frame(later), setting)
+        if request.intent is Intent.DESIGN:
+            return request
+    if not frame.asks and is_question(plain):
         return Request(
             text=text,
             intent=Intent.QUERY,
             phrase="false",
             reason=f"That is a question; I build what I am asked for. {_TRY}",
+            confidence=0.9,
+            why="it begins as a question does",
         )
+    if not frame.asks and is_told(plain):
+        return _none(text, _no_wish(), "it tells what somebody does or did")
     return _design(heard, frame, setting)
 
 
@@ -80,28 +110,58 @@ def tokens(text: str) -> list[str]:
 def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
     wish = _spell_out(frame.rest)
     sizes = read_sizes(wish, setting.pitch_m)
-    phrase = read_phrase(wish, sizes.spans, asked=frame.asks)
+    phrase = read_phrase(wish, sizes.spans)
     if phrase is None:
-        return _none(heard.text, f"I heard no wish for an object in that. {_TRY}")
-    glyph = read_glyph(wish)
-    if phrase.abstract and glyph is None:
-        return _none(
-            heard.text,
-            f'I can build things to touch, and "{phrase.text}" is none that I know. '
-            f"Please say it as an object. {_TRY}",
-        )
+        return _none(heard.text, _no_wish(), "it has no noun phrase", ask=_meant(frame))
+    verdict = is_wanted(phrase, frame, has_glyph=read_glyph(wish) is not None)
+    if not verdict.wanted:
+        return _unwanted(heard, frame, phrase, verdict)
+    head = phrase.objects[0]
+    attributes = read_attributes(wish, head)
     return Request(
         text=heard.text,
         intent=Intent.DESIGN,
         phrase=phrase.text,
         objects=phrase.objects,
         count=phrase.count,
-        attributes=read_attributes(wish, phrase.objects[0]),
+        attributes=attributes,
         dimensions_m=sizes.metres,
         dimension_sources=sizes.sources,
+        hints=hints_of(head, phrase.count, sizes.metres, attributes, setting),
+        ask=question_of(phrase.objects, phrase.count, either=phrase.either),
+        refusal=refusal_of(wish, head),
         corrections=heard.changes,
         reason=_corrections(heard),
+        confidence=_confidence(frame, verdict.judgement),
+        why=f"{_asked(frame)}; {verdict.why}",
     )
+
+
+def _unwanted(heard: _Heard, frame: Frame, phrase: NounPhrase, verdict: Verdict) -> Request:
+    physical = verdict.judgement.physical
+    if physical is False and verdict.abstract:
+        reason = (
+            f'I can build things to touch, and "{phrase.text}" is none that I know. '
+            f"Please say it as an object. {_TRY}"
+        )
+    else:
+        reason = _no_wish()
+    return _none(heard.text, reason, f"{_asked(frame)}; {verdict.why}", ask=_meant(frame))
+
+
+def _asked(frame: Frame) -> str:
+    return {
+        "making": "it asks for something to be made",
+        "having": "it says that something is wanted",
+        "bare": "it is a phrase that stands alone",
+    }[frame.kind]
+
+
+def _meant(frame: Frame) -> str:
+    """What may be meant by "something to sit on"."""
+    if set(frame.rest[:1]) & LEXICON.vague or frame.rest[:2] in (("a", "thing"), ("a", "place")):
+        return meant_by(frame.rest)
+    return ""
 
 
 def _spell_out(wish: tuple[str, ...]) -> tuple[str, ...]:
@@ -110,25 +170,50 @@ def _spell_out(wish: tuple[str, ...]) -> tuple[str, ...]:
     return (*wish[:-1], "letter", wish[-1]) if alone else wish
 
 
-def _edit(heard: _Heard, frame: Frame) -> Request:
+def _edit(heard: _Heard, editing: Editing) -> Request:
     """``make it taller``; in ``make it a bench`` the new object is named."""
-    replacement: NounPhrase | None = None
-    if frame.rest[:1] == ("make",) and frame.rest[2:3] in (("a",), ("an",)):
-        replacement = read_phrase(frame.rest[2:], [], asked=True)
-    named = replacement is not None and not replacement.abstract
+    named = read_phrase(editing.replacement, []) if editing.replacement else None
+    if editing.replacement:
+        frame = Frame("making", editing.replacement)
+        glyph = read_glyph(editing.replacement) is not None
+        if named is None or not is_wanted(named, frame, has_glyph=glyph).wanted:
+            return _none(heard.text, _no_wish(), "what it shall become is no object")
     return Request(
         text=heard.text,
         intent=Intent.EDIT,
-        phrase=replacement.text if replacement is not None and named else "false",
-        objects=replacement.objects if replacement is not None and named else (),
-        count=replacement.count if replacement is not None and named else 0,
+        phrase=named.text if named else "false",
+        objects=named.objects if named else (),
+        count=named.count if named else 0,
+        attributes=read_attributes(editing.replacement, named.objects[0]) if named else {},
+        edits=editing.edits,
+        refusal=refusal_of(editing.replacement, named.objects[0]) if named else "",
+        corrections=heard.changes,
         reason="That changes an object that was designed before; please say the whole wish, "
         'such as "a tall stool".',
+        confidence=0.9,
+        why="every clause of it changes a size, a part, a colour or the object",
     )
 
 
-def _none(text: str, reason: str) -> Request:
-    return Request(text=text, intent=Intent.NONE, phrase="false", reason=reason)
+def _none(text: str, reason: str, why: str, ask: str = "") -> Request:
+    return Request(
+        text=text,
+        intent=Intent.NONE,
+        phrase="false",
+        reason=f"{reason} {ask}".strip(),
+        ask=ask,
+        confidence=0.9,
+        why=why,
+    )
+
+
+def _no_wish() -> str:
+    return f"I heard no wish for an object in that. {_TRY}"
+
+
+def _confidence(frame: Frame, judgement: Judgement) -> float:
+    certain = {"making": 1.0, "having": 0.95, "bare": 0.9}[frame.kind]
+    return round(certain * judgement.confidence, 2)
 
 
 def _corrections(heard: _Heard) -> str:

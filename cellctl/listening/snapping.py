@@ -17,8 +17,16 @@ _OWNERS = {
     "steps": ("ladder", "staircase", "stairs"),
     "tiers": ("shelf", "bookshelf", "bookcase"),
     "legs": ("stool", "table", "chair", "bench"),
+    "back": ("chair", "bench", "sofa"),
+    "arms": ("chair", "sofa"),
+    "drawers": ("desk", "table", "cabinet"),
 }
 """What has such parts: "a letter with five steps" was a ladder, a "self with two tiers" a shelf."""
+_CONFUSED = {
+    "school": "stool", "tool": "stool", "stole": "stool", "still": "stool", "steel": "stool",
+}  # fmt: skip
+"""What recognisers write for a family's noun, where they do; each word is one of its own."""
+_PLAIN = frozenset({"simple", "small", "little", "tall", "short"})
 _OPENERS = {"kneed": "need", "knead": "need", "bild": "build", "billed": "build"}
 _SPLIT_WORDS = {
     ("back", "rest"): "backrest",
@@ -157,17 +165,30 @@ def _correct_heads(snapped: Snapped) -> None:
         )
         if not (ends and begins):
             continue
-        better = _owner(words[index + 1 :], word)
-        known = LEXICON.is_physical(singular(word)) is not None
+        rest = words[index + 1 :]
+        better = _owner(rest, word) or _confused(rest, words[index - 1], word)
+        noun = singular(word)
+        known = LEXICON.is_physical(noun) is not None or noun in LEXICON.parts
         if better is None and not known and word not in _NEVER_SNAPPED:
             better = _FAMILY_SOUNDS.get(sound_of(word))
         if better is not None and better != word:
             snapped.replace(index, index + 1, better)
 
 
+def _confused(rest: list[str], before: str, word: str) -> str | None:
+    """A ``simple school`` and a ``tool with three legs`` are stools; a school alone is one."""
+    noun = _CONFUSED.get(word)
+    if noun is None:
+        return None
+    legs = rest[:1] == ["with"] and "legs" in {LEXICON.parts.get(singular(w)) for w in rest[1:4]}
+    return noun if legs or (before in _PLAIN and not rest) else None
+
+
 def _owner(rest: list[str], word: str) -> str | None:
     """What sounds like ``word`` and has the parts that ``rest`` gives it."""
-    for noun in rest[:3]:
+    if rest[:1] not in (["with"], ["without"], ["and"], ["having"]):
+        return None
+    for noun in rest[1:4]:
         owners = _OWNERS.get(LEXICON.parts.get(singular(noun), ""), ())
         if owners and (word not in LEXICON.families or word == "letter"):
             sound = unvoiced_sound_of(word)
@@ -180,5 +201,7 @@ def _correct_letter(snapped: Snapped) -> None:
     for index in range(len(words) - 1):
         name = words[index + 1]
         last = index + 2 == len(words) or words[index + 2] in LEXICON.enders | LEXICON.fillers
+        if words[index] in ("latter", "lettuce", "ladder") and len(name) == 1 and last:
+            snapped.replace(index, index + 1, "letter")
         if words[index] in ("letter", "capital") and name in LEXICON.spelled and last:
             snapped.replace(index + 1, index + 2, LEXICON.spelled[name].lower())

@@ -1,0 +1,70 @@
+"""What is known of a wish before it is designed: sizes that cannot be, and what is unclear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from cellctl.assembly import Attribute, Axis
+from cellctl.listening.understanding.interpreter import Setting
+from cellctl.listening.understanding.talk import talk
+
+Hint = Literal["too_small", "too_big", "too_many"]
+
+
+def hints_of(
+    head: str,
+    count: int,
+    sizes_m: dict[Axis, float],
+    attributes: dict[str, Attribute],
+    setting: Setting,
+) -> tuple[Hint, ...]:
+    """What of a wish cannot be as it was said.
+
+    Without a stated size a thing is taken at its usual one: a mug is smaller than a voxel, a house
+    larger than the workspace. Both are built all the same, larger or smaller than they are.
+    """
+    found: list[Hint] = []
+    # Width and depth are told apart by no speaker: the longer edge of the floor holds either.
+    floor_m = max(setting.workspace_m[:2])
+    limits: dict[Axis, float] = {
+        "width": floor_m,
+        "depth": floor_m,
+        "height": setting.workspace_m[2],
+    }
+    half_m = setting.pitch_m / 2
+    if any(size < half_m for size in sizes_m.values()) or (not sizes_m and head in talk().small):
+        found.append("too_small")
+    if any(size > limits[axis] + half_m for axis, size in sizes_m.items()) or (
+        not sizes_m and head in talk().big
+    ):
+        found.append("too_big")
+    most = max(
+        (v for v in attributes.values() if isinstance(v, int) and not isinstance(v, bool)),
+        default=0,
+    )
+    if count > 1 or most > setting.parts:
+        found.append("too_many")
+    return tuple(found)
+
+
+def question_of(objects: Sequence[str], count: int, *, either: bool) -> str:
+    """What should be asked back about a wish for objects; empty where nothing is unclear."""
+    if either and len(objects) > 1:
+        return f"Which shall it be: {' or '.join(f'a {noun}' for noun in objects)}?"
+    if len(objects) > 1:
+        return f"I build one thing at a time. Shall I begin with the {objects[0]}?"
+    if count > 1:
+        return f"I build one thing at a time. Shall I begin with one {objects[0]}?"
+    return ""
+
+
+def meant_by(words: Sequence[str]) -> str:
+    """What somebody may mean who wants "something to sit on"; empty when nothing comes to mind."""
+    text = f" {' '.join(words)} "
+    if " to " not in text and " for " not in text and " where " not in text:
+        return ""
+    for said, meant in talk().affordances.items():
+        if f" {said} " in text:
+            return f"Do you mean {meant}?"
+    return ""

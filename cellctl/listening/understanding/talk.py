@@ -1,0 +1,110 @@
+"""The guard: talk that names a thing and yet wants nothing built."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.understanding.words import look_up
+
+
+@dataclass(frozen=True)
+class Talk:
+    """The words of ``talk.toml``."""
+
+    served: frozenset[str]
+    written: frozenset[str]
+    elsewhere: frozenset[str]
+    times: frozenset[str]
+    places: frozenset[str]
+    weapons: frozenset[str]
+    harmless: frozenset[str]
+    insults: frozenset[str]
+    unwanted_compounds: dict[str, str]
+    """``weapon`` or ``insult`` by compound."""
+    affordances: dict[str, str]
+    small: frozenset[str]
+    big: frozenset[str]
+
+
+@lru_cache(maxsize=1)
+def talk() -> Talk:
+    """The words, read once."""
+    source = files("cellctl.listening.understanding").joinpath("talk.toml")
+    table: dict[str, Any] = tomllib.loads(source.read_text(encoding="utf-8"))
+
+    def words(section: str, key: str = "nouns") -> frozenset[str]:
+        return frozenset(table[section][key].split())
+
+    def compounds(section: str) -> list[str]:
+        return [" ".join(each.split()) for each in table[section]["compounds"].split("|")]
+
+    return Talk(
+        served=words("served"),
+        written=words("written"),
+        elsewhere=words("elsewhere", "words"),
+        times=words("elsewhere", "times"),
+        places=words("elsewhere", "places"),
+        weapons=words("weapons"),
+        harmless=words("weapons", "harmless"),
+        insults=words("insults"),
+        unwanted_compounds={
+            **dict.fromkeys(compounds("weapons"), "weapon"),
+            **dict.fromkeys(compounds("insults"), "insult"),
+        },
+        affordances=dict(table["affordances"]),
+        small=words("sizes", "small"),
+        big=words("sizes", "big"),
+    )
+
+
+_EDIBLE = frozenset("ds")
+_PEOPLE = frozenset({"one", "two", "three", "four", "five", "six", "eight", "1", "2", "4", "6"})
+_AFTER_PEOPLE = frozenset({"please", "by", "at", "in", "on", "near", "outside", "inside"})
+_WAYS = (["to", "go"], ["by", "the"], ["to", "the"])
+_EXISTING = frozenset({"the", "my", "your", "our", "his", "her", "their", "its", "this", "that",
+                       "these", "those"})  # fmt: skip
+
+
+def served_instead(  # noqa: PLR0911 - one way out a reason
+    head: str, rest: Sequence[str], determiner: str, *, asked: bool
+) -> str:
+    """Why a phrase is a wish for a service or an errand rather than for an object.
+
+    Args:
+        head: the phrase's noun, singular.
+        rest: what follows them in the sentence.
+        determiner: the word before the core, or "".
+        asked: whether the sentence said that it is wanted; it did not say "make".
+
+    Returns:
+        In words for whoever looks into it; empty when it may well be an object.
+    """
+    words = talk()
+    after = list(rest)
+    around = set(after)
+    if around & words.times or around & words.places:
+        return "it names a time or a place, as errands do"
+    if around & words.elsewhere or {singular(word) for word in around} & words.elsewhere:
+        return "it speaks of services"
+    if after[:1] == ["for"] and set(after[1:2]) & _PEOPLE and set(after[2:3]) <= _AFTER_PEOPLE:
+        return "it reserves a place for people"
+    if after[:2] in _WAYS and (asked or head not in LEXICON.families):
+        return "it is an order or a direction"
+    if head in LEXICON.families:
+        return ""
+    if head in words.served and (asked or determiner not in ("a", "an")):
+        return f"a {head} is served or ordered, not built"
+    entry = look_up(head)
+    if asked and entry is not None and entry.kind in _EDIBLE:
+        return f"a {head} is eaten or used up, not built"
+    if asked and entry is not None and entry.kind in "pb" and LEXICON.is_physical(head) is not True:
+        return f"a {head} is no object"
+    if determiner in _EXISTING and asked:
+        return f'"{determiner} {head}" exists already'
+    return ""

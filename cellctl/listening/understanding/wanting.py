@@ -1,0 +1,164 @@
+"""Whether a noun phrase in its sentence is a wish for an object to be built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cellctl.listening.frames import Frame
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.phrases import NounPhrase
+from cellctl.listening.understanding.judging import Judgement, commands, judge, tells
+from cellctl.listening.understanding.talk import served_instead, talk
+from cellctl.listening.understanding.words import look_up
+
+_MASS = frozenset("dsbpgxktc")
+"""Classes of nouns that without an article are no objects: "make dinner", "make friends"."""
+_SURE = 0.66
+"""Certainty of the table that a phrase needs that has neither an article nor a verb."""
+_SOMEBODYS = frozenset({"my", "our", "his", "her", "their", "your", "its"})
+_SUBJECTS = frozenset({"that", "which", "who", "whose", "where", "it", "i", "you", "we", "they",
+                       "he", "she", "so", "because", "and"})  # fmt: skip
+"""What follows these may have a verb of its own."""
+_LENT = frozenset({"ride", "lift", "hand", "call", "ring"})
+_ASKING = frozenset({"can", "could", "would", "will", "should"})
+_POINTING = frozenset({"this", "that", "these", "those"})
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was decided, and by what."""
+
+    wanted: bool
+    judgement: Judgement
+    why: str
+    abstract: bool = False
+    """Whether it names an idea rather than nothing at all."""
+
+
+def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
+    phrase: NounPhrase, frame: Frame, *, has_glyph: bool
+) -> Verdict:
+    """Judge a phrase.
+
+    Args:
+        phrase: what the sentence names.
+        frame: how the sentence asks for it.
+        has_glyph: whether it names a letter or digit to build.
+    """
+    head = phrase.objects[0]
+    # "a replica of stonehenge" is a replica; "some kind of shelf" is a shelf.
+    outer = singular(phrase.core[-1])
+    judgement = judge(phrase.core, head if outer in LEXICON.vague else outer)
+    if outer in LEXICON.abstract and phrase.text.startswith(f"{phrase.core[-1]} of "):
+        judgement = judge((head,), head)
+    if has_glyph:
+        return Verdict(True, judgement, "it names a letter or a digit")
+    if {head, phrase.core[-1]} & (talk().weapons | talk().insults):
+        return Verdict(True, judgement, "it is a thing, and none to build")
+    if head == "word" and len(phrase.core) > 1 and phrase.determiner == "the":
+        return Verdict(True, judgement, "it names a word to be spelled")
+
+    def no(why: str, *, abstract: bool = False) -> Verdict:
+        return Verdict(False, judgement, why, abstract)
+
+    if frame.kind == "bare" and (why := _no_phrase(phrase)):
+        return no(why)
+    if head == "number":
+        return no("it is a number and does not say which")
+    if LEXICON.determiners & set(phrase.core):
+        return no("it says what to do with an object")
+    if phrase.determiner == "the" and _compares(phrase.core[-1]):
+        return no("it changes something that exists already")
+    if frame.of_speaker and judgement.kind == "p" and not LEXICON.is_physical(head):
+        return no("it is what somebody would like to be")
+    if judgement.physical is False:
+        return no(judgement.why, abstract=True)
+    if head in talk().written and (frame.kind != "bare" or not phrase.determiner):
+        return no(f"a {head} is written or drawn, not built")
+    if phrase.determiner in _POINTING:
+        return no("it points at something that is there")
+    if frame.kind != "making":
+        why = served_instead(head, phrase.rest, phrase.determiner, asked=frame.kind == "having")
+        if why and not _named(phrase):
+            return no(why)
+        if frame.kind == "having" and len(phrase.core) > 1 and phrase.core[0] in _LENT:
+            return no("it is a favour")
+    if phrase.determiner in _SOMEBODYS:
+        return no("it is about something that exists already")
+    if not phrase.determiner and (why := _no_article(phrase, frame, judgement)):
+        return no(why, abstract=judgement.physical is None)
+    return Verdict(True, judgement, judgement.why)
+
+
+def _no_phrase(phrase: NounPhrase) -> str:
+    """Why a phrase that stands alone is rather a statement or a command."""
+    if phrase.rest[:1] and phrase.rest[0] in LEXICON.finite | _ASKING:
+        return "it says something about an object"
+    for word in phrase.rest:
+        if word in _SUBJECTS:
+            break
+        if word in LEXICON.finite:
+            return "it says something about an object"
+    if phrase.determiner in _SOMEBODYS | _POINTING:
+        return "it is about something that exists already"
+    if tells(phrase.core):
+        return "it says what an object did"
+    return ""
+
+
+def _no_article(  # noqa: PLR0911 - one way out a reason
+    phrase: NounPhrase, frame: Frame, judgement: Judgement
+) -> str:
+    """Why a noun without an article names no object: "make dinner", "flight status"."""
+    head = phrase.objects[0]
+    if head in LEXICON.families:
+        if (
+            frame.kind == "bare"
+            and phrase.core[0] not in LEXICON.families
+            and commands(phrase.core)
+        ):
+            return "it is a command for something else"
+        return ""
+    plural = phrase.core[-1] != head
+    known = LEXICON.is_physical(head) is True
+    entry = look_up(head)
+    if judgement.physical is None:
+        return f"nothing is known of {head!r}, and it has no article"
+    if _named(phrase):
+        return ""
+    if frame.kind == "making":
+        if judgement.kind in _MASS and not known:
+            return f"{head!r} has no article, and is no object without"
+        return "" if plural or known or judgement.confidence >= _SURE else judgement.why
+    if frame.kind == "having":
+        return "" if known and plural else f"{head!r} has no article"
+    if commands(phrase.core) and (len(phrase.core) > 1 or phrase.rest):
+        return "it is a command for something else"
+    if len(phrase.core) > 3 or any(_odd(word) for word in phrase.core[:-1]):
+        return "its words make no noun phrase"
+    if known or (judgement.kind in "afl" and judgement.confidence >= _SURE and entry is not None):
+        return ""
+    return f"{head!r} alone is not surely an object"
+
+
+def _compares(word: str) -> bool:
+    """Whether a word is a comparative: ``warmer``."""
+    if not word.endswith("er"):
+        return False
+    stems = [word[:-2], word[:-1], word[:-3], f"{word[:-3]}y"]
+    return any((entry := look_up(stem)) is not None and "a" in entry.parts for stem in stems)
+
+
+def _named(phrase: NounPhrase) -> bool:
+    """Whether it is the name of one building or the like: ``the eiffel tower``."""
+    core = phrase.core
+    return any(
+        (entry := look_up(" ".join(core[start:]))) is not None and entry.proper
+        for start in range(len(core) - 1)
+    )
+
+
+def _odd(word: str) -> bool:
+    """Whether a word cannot stand before a noun."""
+    entry = look_up(word) or look_up(singular(word))
+    return entry is not None and not set(entry.parts) & set("na") and not word.endswith("ing")
