@@ -54,7 +54,7 @@ def texts() -> dict[str, str]:
     """Every text file of the project by its name; licence and locks are others' words."""
     found = {}
     for path in tracked():
-        if path.name == "LICENSE" or path.suffix in {".lock", ".png", ".wav"}:
+        if path.name == "LICENSE" or path.suffix in {".lock", ".gz", ".png", ".wav"}:
             continue
         found[str(path.relative_to(REPOSITORY))] = path.read_text(encoding="utf-8")
     return found
