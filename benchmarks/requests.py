@@ -5,7 +5,7 @@ sentence, and what memory the process has:
 
 - ``$CELLCTL_TEST_DATA/requests/dev.jsonl``: sentences with gold answers, by split; the decision
   (object or none), the phrase, the intent, the count, the attributes and the sizes.
-- ``sentences/everyday.txt``: what people say to assistants and to each other, and no request.
+- ``sentences/everyday_*.txt``: what people say to assistants and to each other, and no request.
 - ``sentences/wishes.txt``: plain wishes for objects, each with the phrases that are right for it.
 
 Of the last two every second sentence ("held out") was left unseen until the rules stood.
@@ -79,7 +79,7 @@ def everyday(verbose: bool) -> None:
     """How many sentences that ask for nothing are taken for a wish."""
     taken: Counter[str] = Counter()
     total: Counter[str] = Counter()
-    for index, text in enumerate(_lines("everyday.txt")):
+    for index, text in enumerate(_lines("everyday_*.txt")):
         half = ("seen", "held out")[index % 2]
         total[half] += 1
         request = understand(text)
@@ -113,9 +113,9 @@ def wishes(verbose: bool) -> None:
         sys.stdout.write(f"phrase right {100 * right[half] / number:.1f} %\n")
 
 
-def _lines(name: str) -> list[str]:
-    lines = (SENTENCES / name).read_text(encoding="utf-8").splitlines()
-    return [line.strip() for line in lines if line.strip()]
+def _lines(pattern: str) -> list[str]:
+    texts = [path.read_text(encoding="utf-8") for path in sorted(SENTENCES.glob(pattern))]
+    return [line.strip() for text in texts for line in text.splitlines() if line.strip()]
 
 
 def gold_answers(folder: Path, verbose: bool) -> None:
