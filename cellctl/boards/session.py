@@ -124,15 +124,7 @@ class Board:
             BoardMismatchError: it is the wrong board, or a wrong version.
         """
         settings = self._settings
-        try:
-            if self._link is None:
-                self._link = await SerialLink.open(
-                    settings.port, settings.baud, lambda banner: self._was_reset(banner.cause)
-                )
-                await self._notice_reset_meanwhile(self._link)
-            found = await self._identify(self._link)
-        except LinkLostError as error:
-            raise self.lost(str(error)) from error
+        found = await self.identify()
         try:
             check_identity(found, settings)
         except BoardMismatchError:
@@ -149,6 +141,23 @@ class Board:
             )
         self.identity, self._met = found, True
         return found
+
+    async def identify(self) -> Identity:
+        """Open the port if need be and see who answers, whoever it is.
+
+        Raises:
+            BoardLostError: nobody does.
+        """
+        settings = self._settings
+        try:
+            if self._link is None:
+                self._link = await SerialLink.open(
+                    settings.port, settings.baud, lambda banner: self._was_reset(banner.cause)
+                )
+                await self._notice_reset_meanwhile(self._link)
+            return await self._identify(self._link)
+        except LinkLostError as error:
+            raise self.lost(str(error)) from error
 
     async def session(self) -> SerialLink:
         """The link, with a board behind it that was identified since it was opened.

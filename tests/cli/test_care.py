@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -207,6 +208,47 @@ def test_the_doctor_of_a_cell_that_is_not_there(lonely: CellConfig, tmp_path: Pa
     assert "damaged" in found["journal"].found
     assert "no record" in found["commissioning"].found
     assert found["daemon"].level == "ok"
+
+
+@pytest.mark.wire
+def test_swapped_ports_are_told_with_who_is_on_which(lonely: CellConfig, tmp_path: Path) -> None:
+    belt, gripper = lonely.feeder.port, lonely.gripper.port
+    assert gripper is not None
+    swapped = lonely.model_copy(
+        update={
+            "feeder": lonely.feeder.model_copy(update={"port": gripper}),
+            "gripper": lonely.gripper.model_copy(update={"port": belt}),
+        }
+    )
+    path = tmp_path / "cell.toml"
+    write_config(swapped, path)
+    with emulated_cell(lonely):
+        _, found = examined(path)
+        listed = json.loads(cellctl("boards", "--identify", "--json", config=path).stdout)
+    assert "says it is a gripper" in found["conveyor"].found
+    assert "feeder.port and gripper.port are swapped" in found["conveyor"].found
+    assert "says it is a conveyor" in found["gripper"].found
+    boards = {port["what"]: port["board"] for port in listed}
+    assert boards["feeder.port"].startswith("gripper, serial number 1E92")
+    assert boards["gripper.port"].startswith("conveyor, serial number 1E95")
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+def test_the_grippers_board_is_shown_and_calibrated(cell: RunningCell, file: Path) -> None:
+    status = cellctl("status", config=file).stdout
+    assert status.count("firmware 2.0.0, protocol 2") == 2
+    assert "latch pulse: 1500 us (600 to 2400)" in cellctl("gripper", "show", config=file).stdout
+    refused = cellctl("gripper", "set", "--latch-pulse", "3000", config=file)
+    assert refused.returncode == 2
+    assert "600 to 2400 us" in refused.stderr
+    done = cellctl("gripper", "set", "--latch-pulse", "1480", "--travel", "340", config=file)
+    assert done.returncode == 0, done.stderr
+    assert cellctl("gripper", "keep", config=file).returncode == 0
+    shown = json.loads(cellctl("gripper", "show", "--json", config=file).stdout)
+    assert (shown["registers"]["latch_pulse"], shown["registers"]["travel"]) == (1480, 340)
+    assert "nothing wrong" in cellctl("gripper", "test", config=file).stdout
+    assert cell.truth().gripper_board["calibration"]["latch_pulse"] == 1480
 
 
 def test_the_doctor_of_a_wrong_configuration(tmp_path: Path) -> None:
