@@ -130,8 +130,10 @@ ISR(USART0_RXC_vect) {
 
 ISR(USART0_TXC_vect) {
     USART0.STATUS = USART_TXCIF_bm;
-    uint8_t left = (uint8_t)(left_to_send - 1);
-    left_to_send = left;
+    uint8_t left = left_to_send;
+    if (left > 0) {
+        left_to_send = --left;
+    }
     if (left > 0) {
         const char *byte = to_send;
         USART0.TXDATAL = (uint8_t)*byte;

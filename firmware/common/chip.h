@@ -11,13 +11,13 @@
 #include "line.h"
 #include "reset.h"
 
-/* Start clock, watchdog, tick and serial line, with interrupts still off. Returns why it started. */
+/* Start clock, watchdog, tick and serial line, with interrupts still off. Returns the cause. */
 enum reset_cause chip_start(void);
 
 /* Take one of the milliseconds that have passed; returns whether there was one. */
 bool chip_take_tick(void);
 
-/* Prove that the tick's work is done. The watchdog bites a quarter of a second after the last time. */
+/* Prove that the tick's work is done. A quarter of a second without it, and the watchdog bites. */
 void chip_prove_alive(void);
 
 /* Sleep until something has happened; returns at once when there is something to do. */

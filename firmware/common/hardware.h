@@ -1,7 +1,7 @@
 /*
  * What the pure logic asks of the microcontroller it runs on.
  *
- * hardware.c answers on the chip; the tests answer on the host.
+ * chip.c answers on the chip; the tests answer on the host.
  */
 #pragma once
 
@@ -20,7 +20,7 @@ uint16_t hardware_stack_left(void);
 /* A byte of the EEPROM. */
 uint8_t hardware_eeprom_read(uint8_t address);
 
-/* Whether the last byte is written; a byte takes some milliseconds, in which the program goes on. */
+/* Whether the last byte is written; it takes some milliseconds, in which the program goes on. */
 bool hardware_eeprom_ready(void);
 
 /* Begin to write a byte of the EEPROM, which must be ready. */

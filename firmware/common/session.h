@@ -21,10 +21,10 @@ struct session {
 };
 
 enum verdict {
-    COMMAND_ANSWERED, /* the reply is complete */
-    COMMAND_NEW,      /* to be carried out */
-    COMMAND_REPEATED, /* has the number of the newest command */
-    COMMAND_IDENTIFIED, /* as answered, and a new session begins */
+    COMMAND_ANSWERED,   /* the reply is complete */
+    COMMAND_NEW,        /* to be carried out */
+    COMMAND_REPEATED,   /* to be carried out, or told again: it has the newest number */
+    COMMAND_IDENTIFIED, /* the reply is complete, and a new session begins */
 };
 
 /* Decide what a command line is, and answer it where every board gives the same answer. */

@@ -1,8 +1,9 @@
 #include "conveyor.h"
 
+#include "board.h"
 #include "drive.h"
 
-const struct identity conveyor_identity = {
+const struct identity board_identity = {
     .role = PROTOCOL_ROLE_CONVEYOR,
     .firmware = PROTOCOL_FIRMWARE_CONVEYOR,
 };
@@ -72,7 +73,7 @@ static void answer_index(struct conveyor *conveyor, const struct command *comman
 
 void conveyor_answer(struct conveyor *conveyor, const struct command *command, struct line *reply) {
     belt_heard(&conveyor->belt);
-    enum verdict verdict = session_take(&conveyor->session, &conveyor_identity, command, reply);
+    enum verdict verdict = session_take(&conveyor->session, &board_identity, command, reply);
     if (verdict == COMMAND_IDENTIFIED) {
         belt_halt(&conveyor->belt);
     }

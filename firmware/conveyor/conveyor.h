@@ -5,8 +5,6 @@
 #include "line.h"
 #include "session.h"
 
-extern const struct identity conveyor_identity;
-
 /* All zeros: at boot. */
 struct conveyor {
     struct belt belt;

@@ -1,7 +1,7 @@
 /*
  * What the belt asks of its motor.
  *
- * main.c answers on the chip, where steps are made by an interrupt; the tests answer on the host.
+ * board.c answers on the chip, where steps are made by an interrupt; the tests answer on the host.
  */
 #pragma once
 

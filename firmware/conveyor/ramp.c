@@ -3,11 +3,10 @@
 #include "timer.h"
 
 /*
- * intervals[n] is the time between the steps n and n + 1 of an acceleration from rest. The n-th step
- * comes sqrt(2 n / a) after the start; the recurrence c(n) = c(n-1) - 2 c(n-1) / (4 n + 1), kept in
- * fractions of a count, follows the differences of that to within a thousandth from the third step
- * on, when its first value is 0.676 of the true one (D. Austin, "Generate stepper-motor speed
- * profiles in real time", 2005).
+ * intervals[n] is the time between the steps n and n + 1 of an acceleration from rest. Step n comes
+ * sqrt(2 n / a) after the start. The recurrence c(n) = c(n-1) - 2 c(n-1) / (4 n + 1) follows the
+ * differences of that when its first value is 0.676 of the true one (D. Austin, "Generate
+ * stepper-motor speed profiles in real time", 2005).
  */
 static uint16_t intervals[RAMP_LEVELS];
 

@@ -1,17 +1,21 @@
 #include "gripper.h"
 
+#include "board.h"
 #include "hardware.h"
 #include "noinline.h"
 
 enum {
-    PART_SAMPLES = 10, /* the switch bounces for less, in ms */
+    PART_SAMPLES = 10,    /* the switch bounces for less, in ms */
     SUPPLY_SAMPLES = 20,  /* the servo's own dips are shorter, in ms */
     SUPPLY_MIN_MV = 4000, /* below it a servo of 5 V no longer turns the latch for certain */
     SUPPLY_MAX_MV = 5500,
-    STACK_RESERVE = 16,   /* bytes */
+    STACK_RESERVE = 16, /* bytes */
 };
 
-const struct identity gripper_identity = {.role = PROTOCOL_ROLE_GRIPPER, .firmware = PROTOCOL_FIRMWARE_GRIPPER};
+const struct identity board_identity = {
+    .role = PROTOCOL_ROLE_GRIPPER,
+    .firmware = PROTOCOL_FIRMWARE_GRIPPER,
+};
 
 void gripper_start(struct gripper *gripper, struct survivors *survivors) {
     gripper->survivors = survivors;
@@ -103,10 +107,10 @@ static void reply_kept(const struct gripper *gripper, const struct command *comm
     }
 }
 
-/* Begin to keep the calibration; the answer comes when that is done. A repetition begins nothing. */
+/* Begin to keep the calibration; the answer comes when that is done. */
 static void answer_keep(struct gripper *gripper, const struct command *command,
                         struct line *reply) {
-    if (!gripper->keep_begun) {
+    if (!gripper->keep_begun) { /* a repetition begins nothing */
         if (latch_moving(&gripper->latch)) {
             reply_error(reply, command, PROTOCOL_ERROR_MOVING);
             return;
@@ -167,7 +171,7 @@ void gripper_store(struct gripper *gripper, struct line *reply) {
 void gripper_answer(struct gripper *gripper, const struct command *command, uint16_t damaged_lines,
                     struct line *reply) {
     reply->length = 0;
-    enum verdict verdict = session_take(&gripper->session, &gripper_identity, command, reply);
+    enum verdict verdict = session_take(&gripper->session, &board_identity, command, reply);
     if (verdict == COMMAND_NEW || verdict == COMMAND_IDENTIFIED) {
         gripper->keep_begun = false;
     }

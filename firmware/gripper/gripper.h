@@ -11,8 +11,6 @@
 #include "session.h"
 #include "survivors.h"
 
-extern const struct identity gripper_identity;
-
 /* What the pins say. */
 struct gripper_inputs {
     uint16_t reference_reading; /* of the 1.1 V reference, in 1023ths of the supply */

@@ -37,5 +37,8 @@ void latch_tick(struct latch *latch, const struct calibration *calibration, bool
 }
 
 bool latch_status(const struct latch *latch) {
-    return latch->fault == PROTOCOL_FAULT_NONE ? latch->confirmed : latch->toggle_ms < TOGGLE_HALF_PERIOD_MS;
+    if (latch->fault != PROTOCOL_FAULT_NONE) {
+        return latch->toggle_ms < TOGGLE_HALF_PERIOD_MS;
+    }
+    return latch->confirmed;
 }

@@ -14,7 +14,7 @@
 #include "debounce.h"
 
 enum {
-    COMMAND_SAMPLES = 6,       /* a glitch of the command line that is shorter in ms moves nothing */
+    COMMAND_SAMPLES = 6,         /* in ms: a shorter glitch of the command line moves nothing */
     TOGGLE_HALF_PERIOD_MS = 100, /* of the status line while a fault is latched */
 };
 

@@ -241,7 +241,8 @@ def test_nothing_moves_before_the_board_is_identified(fresh: ConveyorBoard) -> N
 @pytest.mark.parametrize("seed", range(3))
 def test_no_noise_on_the_line_moves_the_belt(fresh: ConveyorBoard, seed: int) -> None:
     stream = fuzz(seed, 100_000)
-    # Whole frames are among the noise; those that identify the board or ask for an index are spoilt.
+    # Whole frames are among the noise. Those that identify the board or ask for an index are
+    # spoilt.
     harmless = re.sub(rb"I(?=\*)|[FB](?= )", b"S", stream)
     for start in range(0, len(harmless), 10_000):
         fresh.noise(harmless[start : start + 10_000])

@@ -1,7 +1,7 @@
 /*
  * The gripper's logic on the host, one command a line on standard input.
  *
- * start CAUSE            switch it on (0 power ... 3 watchdog); the EEPROM and what survives are kept
+ * start CAUSE            switch it on (0 power ... 3 watchdog); EEPROM and survivors are kept
  * set NAME VALUE         command, part, stuck, reference; eeprom_stuck: writing changes nothing
  * poke ADDRESS VALUE     a byte of the EEPROM
  * tick COUNT             milliseconds; tells each change: "TIME_MS status S pulse P"
@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "board.h"
 #include "gripper.h"
 #include "hardware.h"
 
@@ -55,7 +56,7 @@ static void start(int cause) {
     memset(&reader, 0, sizeof reader);
     survivors_start(&survivors, (enum reset_cause)cause);
     gripper_start(&gripper, &survivors);
-    write_banner(&reply, &gripper_identity, reset_word((enum reset_cause)cause));
+    write_banner(&reply, &board_identity, reset_word((enum reset_cause)cause));
     send_reply();
 }
 

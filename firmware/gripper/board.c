@@ -1,8 +1,7 @@
-/* The gripper's program on an ATtiny412: pins, servo timer and supply measurement. */
-#include <avr/interrupt.h>
+/* The gripper on an ATtiny412: pins, servo timer and supply measurement. */
 #include <avr/io.h>
 
-#include "chip.h"
+#include "board.h"
 #include "gripper.h"
 #include "pins.h"
 
@@ -15,8 +14,6 @@ static uint16_t servo_counts(uint16_t pulse_us) {
 
 static struct survivors survivors __attribute__((section(".noinit")));
 static struct gripper gripper;
-static struct line_reader reader;
-static struct line reply;
 
 static void start_pins(void) {
     /* Command and status have resistors to ground: a broken wire, and a reset, read as low. */
@@ -48,7 +45,7 @@ static void drive_servo(void) {
     }
 }
 
-static void tick(void) {
+void board_tick(void) {
     uint8_t pins = PORTA.IN;
     bool told_high = PORTA.OUT & STATUS_bm;
     struct gripper_inputs inputs = {
@@ -67,37 +64,14 @@ static void tick(void) {
     drive_servo();
 }
 
-static void send_reply(void) {
-    if (reply.length > 0) {
-        chip_send(&reply);
-    }
-}
-
-int main(void) {
-    enum reset_cause cause = chip_start();
+void board_start(enum reset_cause cause) {
     start_pins();
     survivors_start(&survivors, cause);
     gripper_start(&gripper, &survivors);
-    write_banner(&reply, &gripper_identity, reset_word(cause));
-    sei();
-    chip_send(&reply);
-    for (;;) {
-        if (chip_take_tick()) {
-            tick();
-            chip_prove_alive();
-        }
-        uint8_t byte;
-        struct command command;
-        while (chip_take_byte(&byte)) {
-            if (line_read(&reader, byte, &command)) {
-                gripper_answer(&gripper, &command, reader.damaged, &reply);
-                send_reply();
-            }
-        }
-        if (!chip_sending()) {
-            gripper_store(&gripper, &reply);
-            send_reply();
-        }
-        chip_sleep();
-    }
 }
+
+void board_answer(const struct command *command, uint16_t damaged_lines, struct line *reply) {
+    gripper_answer(&gripper, command, damaged_lines, reply);
+}
+
+void board_idle(struct line *reply) { gripper_store(&gripper, reply); }

@@ -1,9 +1,9 @@
-/* The conveyor's program on an ATtiny1604: pins and the step timer. */
+/* The conveyor on an ATtiny1604: pins and the step timer. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <util/atomic.h>
 
-#include "chip.h"
+#include "board.h"
 #include "conveyor.h"
 #include "drive.h"
 #include "pins.h"
@@ -13,8 +13,6 @@ enum { HOLD_MS = 100 }; /* current after the last step, until the rotor is still
 
 static uint8_t hold_left_ms;
 static struct conveyor conveyor;
-static struct line_reader reader;
-static struct line reply;
 static struct ramp ramp; /* belongs to the step interrupt */
 
 static void start_pins(void) {
@@ -74,7 +72,7 @@ void drive_abort(void) {
 
 bool drive_turning(void) { return TCA0.SINGLE.CTRLA & TCA_SINGLE_ENABLE_bm; }
 
-static void tick(void) {
+void board_tick(void) {
     uint8_t pins = PORTA.IN;
     conveyor_tick(&conveyor, !(pins & PART_bm), pins & STALL_bm);
     if (drive_turning()) {
@@ -84,26 +82,15 @@ static void tick(void) {
     }
 }
 
-int main(void) {
-    enum reset_cause cause = chip_start();
+void board_start(enum reset_cause cause) {
+    (void)cause;
     start_pins();
     ramp_prepare();
-    write_banner(&reply, &conveyor_identity, reset_word(cause));
-    sei();
-    chip_send(&reply);
-    for (;;) {
-        if (chip_take_tick()) {
-            tick();
-            chip_prove_alive();
-        }
-        uint8_t byte;
-        struct command command;
-        while (chip_take_byte(&byte)) {
-            if (line_read(&reader, byte, &command)) {
-                conveyor_answer(&conveyor, &command, &reply);
-                chip_send(&reply);
-            }
-        }
-        chip_sleep();
-    }
 }
+
+void board_answer(const struct command *command, uint16_t damaged_lines, struct line *reply) {
+    (void)damaged_lines;
+    conveyor_answer(&conveyor, command, reply);
+}
+
+void board_idle(struct line *reply) { reply->length = 0; }
