@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ from cellctl.boards.constants import REPLY_LIMIT, BoardRole, ResetCause
 from cellctl.boards.line import BANNER_START, COMMAND_START, END, REPLY_START
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
-from cellctl.sim.avr.simulator import RESETS, Simulator, Slice
+from cellctl.sim.avr.simulator import RESETS, PinChange, Simulator
 from cellctl.sim.board_faults import ActiveFaults, Hang, Silent, Unplugged
 from cellctl.sim.cable import Cable
 
@@ -54,6 +55,10 @@ class FirmwareBoard(ABC):
         """What the board has said since its last whole line."""
         self._resets = self._lines = 0
         self._booted = False
+        self._wired: dict[str, str] = {}
+        """What its pins were wired to when it last ran."""
+        self._owed_s = 0.0
+        """Cell time that the program has not run yet; nothing has changed at its pins since."""
 
     def start(self) -> None:
         """Make the port and switch the board on.
@@ -85,6 +90,7 @@ class FirmwareBoard(ABC):
                 "who it is.",
                 "Run the emulated cell with --firmware plain.",
             )
+        self._catch_up()
         injected = self._faults.inject(fault, arguments)
         match injected:
             case Unplugged():
@@ -115,6 +121,7 @@ class FirmwareBoard(ABC):
         Raises:
             UsageError: no such reset can be asked for.
         """
+        self._catch_up()
         if cause is ResetCause.WATCHDOG:
             self.simulator.hang(interrupts=False)
         elif cause in RESETS:
@@ -132,6 +139,9 @@ class FirmwareBoard(ABC):
     def advance(self, dt_s: float) -> None:
         """Let cell time pass.
 
+        The program runs when something has changed at its pins, and otherwise in longer pieces:
+        each costs two switches of process.
+
         Raises:
             BoardCrashedError: the program crashed.
         """
@@ -141,18 +151,39 @@ class FirmwareBoard(ABC):
             serial = self._cable.read()
             if self._faults.get(Silent):
                 serial = b""
-        self._advance(dt_s, serial)
+        if serial or self._wiring() != self._wired:
+            self._catch_up()
+            self._wired = self._wiring()
+            self._run(dt_s, serial)
+        else:
+            self._owed_s += dt_s
+            if self._owed_s >= self._longest_s - 1e-9:
+                self._catch_up()
 
-    def _run(self, dt_s: float, pins: dict[str, str], serial: bytes) -> Slice:
-        """Run the program; what it says goes to the host."""
-        slice_ = self.simulator.advance(dt_s, pins, serial)
-        if slice_.serial:
-            self._hear(slice_.serial)
-        return slice_
+    def _catch_up(self) -> None:
+        owed_s, self._owed_s = self._owed_s, 0.0
+        if owed_s > 0.0:
+            self._run(owed_s, b"")
+
+    def _run(self, dt_s: float, serial: bytes) -> None:
+        """Run the program; what it says goes to the host, what it does to the cell."""
+        did = self.simulator.advance(dt_s, self._wired, serial)
+        if did.serial:
+            self._hear(did.serial)
+        self._follow(did.changes)
+
+    @property
+    @abstractmethod
+    def _longest_s(self) -> float:
+        """How long the program may run at once now."""
 
     @abstractmethod
-    def _advance(self, dt_s: float, serial: bytes) -> None:
-        """Let cell time pass: run the program, and let its pins act on the cell."""
+    def _wiring(self) -> dict[str, str]:
+        """What the cell puts on the board's pins now, in the simulator's letters."""
+
+    @abstractmethod
+    def _follow(self, changes: Sequence[PinChange]) -> None:
+        """Let what the board's pins did act on the cell."""
 
     @abstractmethod
     def _struck(self, fault: Value) -> None:

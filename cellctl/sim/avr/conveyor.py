@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 from cellctl.assembly import Value
@@ -16,8 +17,10 @@ from cellctl.sim.conveyor_faults import FAULTS, Jam, Reset, SensorBlocked, Stall
 
 STEP_M: Final = 0.001 / 40
 """Of the belt, for each of the motor's steps."""
-PIECE_S: Final = 0.002
-"""The sensor's level is handed on after each such piece of a motion, which is 0.2 mm of belt."""
+RESTING_S: Final = 0.01
+MOVING_S: Final = 0.004
+"""How long the program may run at once while the motor turns: 0.4 mm of belt, by which the sensor
+may tell late."""
 REST_S: Final = 0.01
 """A motor that was not told to step for this long stands still; its slowest step takes 3 ms."""
 _PART: Final = "PA4"
@@ -66,19 +69,21 @@ class FirmwareConveyor(FirmwareBoard):
             faults=self._faults.names(),
         )
 
-    def _advance(self, dt_s: float, serial: bytes) -> None:
-        while dt_s > 0.0:
-            piece_s = min(dt_s, PIECE_S) if self._moving or serial else dt_s
-            stalled = self._moving and self._faults.get(Stall) is not None
-            pins = {_PART: "L" if self._sensor() else "Z", _STALL: "H" if stalled else "L"}
-            for change in self._run(piece_s, pins, serial).changes:
-                self._follow(change)
-            self._turn_belt()
-            self._count_index()
-            serial = b""
-            dt_s -= piece_s
+    @property
+    def _longest_s(self) -> float:
+        return MOVING_S if self._moving else RESTING_S
 
-    def _follow(self, change: PinChange) -> None:
+    def _wiring(self) -> dict[str, str]:
+        stalled = self._moving and self._faults.get(Stall) is not None
+        return {_PART: "L" if self._sensor() else "Z", _STALL: "H" if stalled else "L"}
+
+    def _follow(self, changes: Sequence[PinChange]) -> None:
+        for change in changes:
+            self._obey(change)
+        self._turn_belt()
+        self._count_index()
+
+    def _obey(self, change: PinChange) -> None:
         """Step, direction (high is backward), and enable, which is low for current."""
         match change.pin:
             case "PA1" if self._powered:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 from cellctl.assembly import Value
@@ -10,7 +11,7 @@ from cellctl.boards.line import CommandLine, encode_command
 from cellctl.config import CellConfig
 from cellctl.sim.avr.board import FirmwareBoard
 from cellctl.sim.avr.latch import ServoLatch
-from cellctl.sim.avr.simulator import BoardCrashedError
+from cellctl.sim.avr.simulator import BoardCrashedError, PinChange
 from cellctl.sim.gripper_board import FAULTS, Reset, StoreDamaged
 from cellctl.sim.world import World
 
@@ -19,6 +20,7 @@ _STATUS: Final = "PA2"
 _SERVO: Final = "PA3"
 _PART: Final = "PA7"
 """Low while the switch feels a part."""
+_LONGEST_S: Final = 0.01
 _BOOT_S: Final = 0.1
 _ANSWER_S: Final = 0.05
 _KEEP_TRIES: Final = 5
@@ -74,24 +76,30 @@ class FirmwareGripper(FirmwareBoard):
         """What is really so, for judges and tests."""
         return {"resets": self._resets, "lines": self._lines, "faults": self._faults.names()}
 
-    def _advance(self, dt_s: float, serial: bytes) -> None:
-        latch = self.latch
-        pending = self._faults.get(Reset)
-        doing = "opening" if latch.told_open else "closing"
-        if pending is not None and latch.moving and pending.when == doing:
-            self._faults.end(Reset)
-            self.reset(pending.cause)
-        pins = {
-            _COMMAND: "H" if latch.told_open else "L",
-            _PART: "L" if latch.holds_part else "Z",
+    @property
+    def _longest_s(self) -> float:
+        return _LONGEST_S
+
+    def _wiring(self) -> dict[str, str]:
+        return {
+            _COMMAND: "H" if self.latch.told_open else "L",
+            _PART: "L" if self.latch.holds_part else "Z",
         }
-        for change in self._run(dt_s, pins, serial).changes:
+
+    def _follow(self, changes: Sequence[PinChange]) -> None:
+        latch = self.latch
+        for change in changes:
             if change.pin == _SERVO:
                 latch.servo.level(change.time_s, change.high)
             elif change.pin == _STATUS:
                 latch.line = change.high
         latch.servo.advance(self.simulator.time_s)
         latch.follow()
+        pending = self._faults.get(Reset)
+        doing = "opening" if latch.told_open else "closing"
+        if pending is not None and latch.moving and pending.when == doing:
+            self._faults.end(Reset)
+            self.reset(pending.cause)
 
     def _struck(self, fault: Value) -> None:
         match fault:

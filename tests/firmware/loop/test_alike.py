@@ -71,7 +71,7 @@ def test_status_falls_once_the_latch_is_told_to_open(grip: Bench) -> None:
     grip.hand.pick()
     assert grip.status
     grip.command(True)
-    assert grip.until_status(False) <= 0.01
+    assert grip.until_status(False) <= 0.02
     assert grip.world.held_part is not None
     grip.advance(0.4)
     assert grip.world.held_part is None
