@@ -27,6 +27,28 @@ def design(request: Request, config: CellConfig) -> GeneratedMesh:
     return designer.design(request, config)
 
 
+def redesign(mesh: GeneratedMesh | None, request: Request, config: CellConfig) -> GeneratedMesh:
+    """What was designed, as a request with intent ``edit`` wants it; for any other, a new shape.
+
+    Raises:
+        DesignError: it cannot be changed so.
+        NoObjectError, DesignError: as in ``design``.
+    """
+    from cellctl.assembly import Intent  # noqa: PLC0415
+    from cellctl.errors import DesignError  # noqa: PLC0415
+    from cellctl.generating.describing import realise  # noqa: PLC0415
+    from cellctl.generating.editing import edited  # noqa: PLC0415
+
+    if request.intent is not Intent.EDIT:
+        return design(request, config)
+    if mesh is None or mesh.description is None:
+        raise DesignError(
+            "What I planned has no description that could be changed.",
+            "Say the whole wish, with what it should be like.",
+        )
+    return realise(edited(mesh.description, request, config), config)
+
+
 def plan_build(
     mesh: GeneratedMesh, config: CellConfig, available: int, progress: Callable[[str], None]
 ) -> BuildPlan:

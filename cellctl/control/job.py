@@ -53,6 +53,15 @@ class Grip(StrEnum):
     """The latch has closed on a part that stands, and that is not parted from its neighbours."""
 
 
+@dataclass(frozen=True)
+class Planned:
+    """What was asked about, while a change to it is worked out."""
+
+    request: Request | None
+    generated: GeneratedMesh | None
+    plan: BuildPlan | None
+
+
 @dataclass
 class Job:
     """The controller's record of one wish."""
@@ -74,6 +83,12 @@ class Job:
     """Cells of the workspace that hold a part."""
     outcomes: list[PartOutcome] = field(default_factory=list)
     message: str = ""
+    change: Request | None = None
+    """What is to be changed, while that is worked out."""
+    before: Planned | None = None
+    """What was asked about before that change."""
+    note: str = ""
+    """Why the last change could not be made."""
     outcome: Outcome = ""
     pausing: bool = False
     cancelling: bool = False
@@ -197,6 +212,25 @@ class Job:
             f"The part at {list(lost[0])} was to stay, and is missing: the plan no longer holds. "
             "Cancel, and ask anew."
         )
+
+    def begin_change(self, request: Request) -> None:
+        """Design anew: what was asked about, changed; or another wish."""
+        self.change, self.note = request, ""
+        self.before = Planned(self.request, self.generated, self.plan)
+        self.phase = Phase.GENERATING
+
+    def end_change(self) -> None:
+        """What is planned now is what is asked about."""
+        self.change = self.before = None
+
+    def undo_change(self, why: str) -> None:
+        """Ask again about what was planned before."""
+        assert self.before is not None, "a change was begun"
+        self.request, self.generated = self.before.request, self.before.generated
+        self.plan = self.before.plan
+        self.note = why
+        self.phase = Phase.CONFIRMING
+        self.end_change()
 
     def resume_event(self, grip: Grip) -> Event:
         """Which variant of ``resume`` goes on from here."""

@@ -12,6 +12,7 @@ from cellctl.assembly import Role, Utterance
 from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
+from cellctl.control.conversation import take_change
 from cellctl.control.ears import LiveEars
 from cellctl.control.job import Job
 from cellctl.control.states import Event, top_of
@@ -262,6 +263,8 @@ class RequestDesk:
         word = spoken_command(utterance.text)
         if word is not None:
             return await self._spoken_word(word, role)
+        if self._cell.controller.state == "validating_confirming":
+            return await take_change(self._cell, utterance, role)
         await self._cell.controller.command(
             Event.SAY, lambda: self._cell.begin(Job(role, utterance=utterance))
         )

@@ -149,11 +149,14 @@ def question(job: Job, pitch_m: float) -> str:
         )
     sizes = " x ".join(f"{edge * pitch_m * 100:.0f}" for edge in plan.assembly.size)
     changes = "".join(f" {change.what}" for change in plan.changes)
+    stays = f"{job.note} So it stays as it was: " if job.note else ""
     title = plan.title[:1].upper() + plan.title[1:]
     asked = "".join(f" {text}" for text in plan.questions)
     parts = len(plan.assembly.cells)
     do = "change what stands into it" if job.removes else "build it"
-    return f"{title}, {sizes} cm, {_parts(parts)}{_about(plan)}.{changes}{asked} Shall I {do}?"
+    return (
+        f"{stays}{title}, {sizes} cm, {_parts(parts)}{_about(plan)}.{changes}{asked} Shall I {do}?"
+    )
 
 
 def _about(plan: BuildPlan) -> str:

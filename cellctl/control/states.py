@@ -32,6 +32,8 @@ class Event(StrEnum):
     DISCRETISED = "discretised"
     CHECKED = "checked"
     PLANNED = "planned"
+    KEPT = "kept"
+    """A change cannot be made: what was planned before is asked about again."""
     PLANNED_WAIVED = "planned_waived"
     PLANNED_TAKING = "planned_taking"
     """Planned, confirmation waived, and a part is to be taken off first."""
@@ -69,6 +71,8 @@ class Event(StrEnum):
     CONFIRM_TAKING = "confirm_taking"
     """``confirm`` where a part is to be taken off first."""
     DECLINE = "decline"
+    CHANGE = "change"
+    """Instead of yes or no: change what is planned, or plan something else."""
     PAUSE = "pause"
     STOP = "stop"
     CANCEL = "cancel"
@@ -98,7 +102,7 @@ class Event(StrEnum):
 
 COMMANDS = frozenset(
     {Event.SAY, Event.HEAR, Event.BUILD, Event.TAKE_APART, Event.CONFIRM, Event.CONFIRM_TAKING}
-    | {Event.DECLINE, Event.PAUSE}
+    | {Event.DECLINE, Event.CHANGE, Event.PAUSE}
     | {Event.STOP, Event.CANCEL, Event.RESET, Event.REFILL, Event.BOOK, Event.HAND}
     | {event for event in Event if event.value.startswith("resume_")}
 )
@@ -185,6 +189,8 @@ _TABLE: list[tuple[Event, list[str], str | None]] = [
     (Event.CONFIRM, ["validating_confirming"], "feeding_indexing"),
     (Event.CONFIRM_TAKING, ["validating_confirming"], "disassembling_gripping"),
     (Event.DECLINE, ["validating_confirming"], "idle"),
+    (Event.CHANGE, ["validating_confirming"], "generating"),
+    (Event.KEPT, _DESIGNING, "validating_confirming"),
     (Event.REJECTED, [*leaves_of("listening"), *_DESIGNING], "idle"),
     # Part after part.
     (Event.BELT_EMPTY, ["feeding_indexing"], "feeding_refilling"),
@@ -286,6 +292,7 @@ _REFUSALS: dict[Event, str] = {
     Event.CONFIRM: "Nothing waits for a yes.",
     Event.CONFIRM_TAKING: "Nothing waits for a yes.",
     Event.DECLINE: "Nothing waits for a no.",
+    Event.CHANGE: "Nothing waits for a change.",
     Event.RESET: "There is no fault to reset.",
     Event.BOOK: "Parts can be counted only when the cell is idle, paused or in a fault.",
     Event.HAND: "The arm can be moved by hand only when the cell is paused: pause it first.",

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import structlog
 
-from cellctl.assembly import BuildPlan, Request, StepKind
+from cellctl.assembly import BuildPlan, Intent, Request, StepKind, Utterance
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
@@ -17,12 +18,13 @@ from cellctl.control.designing import (
     design,
     plan_build,
     plan_upload,
+    redesign,
     take_apart,
 )
 from cellctl.control.job import Job, Phase
 from cellctl.control.ledger import Ledger
 from cellctl.control.states import Event
-from cellctl.errors import NoObjectError
+from cellctl.errors import CellctlError, CellFault, NoObjectError
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
@@ -84,16 +86,20 @@ class Wishes:
 
         post(Event.HEARD, keep)
 
+    async def understand(self, utterance: Utterance) -> Request:
+        """Find out what words ask for, and show it."""
+        # It may ask a service; the loop goes on meanwhile.
+        request = await asyncio.to_thread(
+            self._interpreter.interpret, utterance.text, Setting.of(self._config)
+        )
+        self._show(SpeechData(utterance=utterance, request=request))
+        log.info("understood", intent=request.intent, phrase=request.phrase)
+        return request
+
     async def interpret(self, job: Job, post: Post) -> None:
         """Find out what the words ask for."""
         assert job.utterance is not None
-        # It may ask a service; the loop goes on meanwhile.
-        request = await asyncio.to_thread(
-            self._interpreter.interpret, job.utterance.text, Setting.of(self._config)
-        )
-        self._show(SpeechData(utterance=job.utterance, request=request))
-        log.info("understood", intent=request.intent, phrase=request.phrase)
-        job.request = request
+        request = job.request = await self.understand(job.utterance)
         if not request.buildable:
             raise NoObjectError(_restate(request))
 
@@ -103,17 +109,30 @@ class Wishes:
         post(Event.UNDERSTOOD, keep)
 
     async def generate(self, job: Job, post: Post) -> None:
-        """Design the shape."""
-        assert job.request is not None
-        generated = await self._designer.call(
-            design, job.request, self._config, timeout_s=self._config.planning.timeout_s
-        )
+        """Design the shape, or change it."""
+        timeout_s = self._config.planning.timeout_s
+        with _or_as_before(job, post):
+            if job.change is not None:
+                request = job.change
+                generated = await self._designer.call(
+                    redesign, job.generated, request, self._config, timeout_s=timeout_s
+                )
+                replaces = any(edit.op == "replace" for edit in request.edits)
+                if request.intent is Intent.EDIT and job.request is not None and not replaces:
+                    edits = (*job.request.edits, *request.edits)
+                    request = job.request.model_copy(update={"edits": edits})
+            else:
+                assert job.request is not None
+                request = job.request
+                generated = await self._designer.call(
+                    design, request, self._config, timeout_s=timeout_s
+                )
 
-        def keep() -> None:
-            job.generated = generated
-            job.phase = Phase.VALIDATING
+            def keep() -> None:
+                job.request, job.generated = request, generated
+                job.phase = Phase.VALIDATING
 
-        post(Event.DESIGNED, keep)
+            post(Event.DESIGNED, keep)
 
     async def plan(self, job: Job, post: Post) -> None:
         """Make a plan that this cell can build."""
@@ -125,12 +144,18 @@ class Wishes:
                 reached.add(name)
                 post(events[name])
 
-        plan = await self._planned(job, progress)
-        for name in events:
-            progress(name)
+        with _or_as_before(job, post):
+            plan = await self._planned(job, progress)
+            for name in events:
+                progress(name)
+            self._ask(job, plan, post)
+
+    def _ask(self, job: Job, plan: BuildPlan, post: Post) -> None:
+        """Ask whether to build it, unless the policy says yes already."""
 
         def keep() -> None:
             job.plan = plan
+            job.end_change()
             job.phase = Phase.CONFIRMING
             log.info("planned", title=plan.title, parts=plan.parts, plan=plan.plan_id)
 
@@ -183,6 +208,21 @@ class Wishes:
             job.message = "Nobody said yes, so I shall not build it."
 
         post(Event.DECLINE, silence)
+
+
+@contextmanager
+def _or_as_before(job: Job, post: Post) -> Iterator[None]:
+    """Where a change cannot be designed or planned, what was planned before stands."""
+    try:
+        yield
+    except CellFault:
+        raise
+    except CellctlError as error:
+        if job.before is None:
+            raise
+        why = f"{error.message} {error.hint}".strip()
+        log.info("change not made", reason=why)
+        post(Event.KEPT, lambda: job.undo_change(why))
 
 
 def _restate(request: Request) -> str:

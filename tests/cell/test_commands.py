@@ -41,6 +41,37 @@ def test_the_cell_asks_before_it_builds(idle: RunningCell) -> None:
     assert idle.truth().built == ()
 
 
+def asked(cell: RunningCell, *words: str) -> str:
+    """What the cell asks, once it asks about that."""
+    snapshot = cell.wait(
+        f"asking about {' and '.join(words)}",
+        lambda seen: (
+            seen.state.state == "validating_confirming"
+            and all(word in seen.state.sentence for word in words)
+        ),
+    )
+    return snapshot.state.sentence
+
+
+def test_a_change_said_while_it_asks_is_planned_and_asked_about(idle: RunningCell) -> None:
+    idle.visitor.say("a stool thirty centimetres high")
+    asked(idle, "Stool", " x 30 cm")
+    assert "change" in idle.visitor.say("make it one block taller").message
+    asked(idle, "Stool", " x 40 cm")
+    # What cannot be changed leaves the question as it was, and says why.
+    idle.visitor.say("add two drawers")
+    asked(idle, "So it stays as it was", "Stool", " x 40 cm")
+    with pytest.raises(RefusedError, match="rather not build weapons"):
+        idle.visitor.say("make it a gun")
+    with pytest.raises(RefusedError, match="I asked whether to build it"):
+        idle.visitor.say("what a lovely day")
+    idle.visitor.say("actually make it a tower")
+    assert "stays as it was" not in asked(idle, "Tower", "Shall I build it?")
+    idle.visitor.confirm(False)
+    assert idle.finish().outcome == "declined"
+    assert idle.truth().built == ()
+
+
 def test_pause_waits_for_a_safe_point_and_resume_goes_on(idle: RunningCell) -> None:
     begin(idle)
     idle.wait_state("assembling_placing")

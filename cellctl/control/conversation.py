@@ -1,0 +1,36 @@
+"""What is said while the cell asks "Shall I build it?" and is neither yes nor no."""
+
+from __future__ import annotations
+
+from cellctl.assembly import Intent, Role, Utterance
+from cellctl.control.cell import Cell
+from cellctl.control.states import Event
+from cellctl.errors import RefusedError
+
+_HINT = "Say yes, no, or what to change, such as: make it taller."
+
+
+async def take_change(cell: Cell, utterance: Utterance, role: Role) -> str:
+    """Change what was designed, or design something else instead, and ask again.
+
+    Raises:
+        RefusedError: it is no change and no wish, or shall not be built; the question stands.
+    """
+    job = cell.active_job
+    if job is None:
+        raise RefusedError("Nothing waits for an answer any more.", "Say your wish again.")
+    if role is Role.VISITOR and job.role is not role:
+        raise RefusedError("The operator began this job; only the operator changes it.", _HINT)
+    if job.takes_apart:
+        raise RefusedError("I asked whether to take it apart.", "Say yes or no.")
+    request = await cell.wishes.understand(utterance)
+    if request.refusal:
+        raise RefusedError(request.refusal, _HINT)
+    if request.intent not in (Intent.DESIGN, Intent.EDIT):
+        raise RefusedError(request.ask or "I asked whether to build it.", _HINT)
+    await cell.controller.command(
+        Event.CHANGE,
+        lambda: job.begin_change(request),
+        unless=lambda: "" if cell.active_job is job else "That came too late.",
+    )
+    return "I am working out the change."
