@@ -9,7 +9,8 @@ from cellctl.config import Joints, Pose, Vector
 
 
 class Waypoint(Value):
-    """One corner of a path. Speeds hold on the way to it; the blend radius rounds it."""
+    """One corner of a path, reached on a straight line of the TCP. Speeds hold on the way to it;
+    the blend radius rounds it."""
 
     pose: Pose
     """TCP pose in the robot's base frame."""
@@ -17,6 +18,23 @@ class Waypoint(Value):
     acceleration_m_s2: float
     blend_radius_m: float = 0.0
     """0 stops at the corner; the last waypoint of a path always stops."""
+
+
+class JointWaypoint(Value):
+    """One corner of a path to which the joints go straight, all at once. The controller finds the
+    joints for the pose by its own calibrated kinematics, near to where they are."""
+
+    pose: Pose
+    """TCP pose in the robot's base frame."""
+    speed_rad_s: float
+    """Of the joint that turns farthest, on the way there."""
+    acceleration_rad_s2: float
+    blend_radius_m: float = 0.0
+    """Measured at the TCP; 0 stops at the corner."""
+
+
+Path = tuple[Waypoint | JointWaypoint, ...]
+"""Corners in turn, all of one kind: from one kind to the other there is no blend."""
 
 
 class ArmIdentity(Value):
@@ -81,7 +99,7 @@ class Arm(Protocol):
         """The newest state; None before the first one arrived. Never blocks."""
         ...
 
-    async def follow(self, path: tuple[Waypoint, ...], planned_duration_s: float) -> None:
+    async def follow(self, path: Path, planned_duration_s: float) -> None:
         """Move the TCP along a path and return when the arm has come to rest at its end."""
         ...
 

@@ -24,13 +24,13 @@ before leaves an arm at rest; whoever dies after leaves one that the watchdog st
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from typing import Any
 
 import rtde_control
 import rtde_io
 
-from cellctl.assembling.arm import ArmCheck, ArmIdentity, Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, JointWaypoint, Path
 from cellctl.assembling.arm_receiver import PLAYING, Receiver, Sample, safety_fault
 from cellctl.config import Joints, Pose, RobotSection, Vector
 from cellctl.errors import CellFault
@@ -196,18 +196,23 @@ class Link:
         """Put the speed slider back to where it was before the gate was closed."""
         self._slide(self.speed_fraction)
 
-    def start_path(self, path: Sequence[Waypoint]) -> None:
+    def start_path(self, path: Path) -> None:
         """Upload a path and start it behind the closed gate, then arm the watchdog.
 
         Raises:
             CellFault: ``program_stopped`` when the controller does not take it.
         """
         assert self.sample.speed_fraction < GATE_OPEN_FRACTION, "the gate must be closed"
-        rows = [
-            [*point.pose, point.speed_m_s, point.acceleration_m_s2, point.blend_radius_m]
-            for point in path
-        ]
-        if not self._control.moveL(rows, True):
+        script = rtde_control.Path()
+        entry = rtde_control.PathEntry
+        for point in path:
+            if isinstance(point, JointWaypoint):
+                kind, pace = entry.MoveJ, [point.speed_rad_s, point.acceleration_rad_s2]
+            else:
+                kind, pace = entry.MoveL, [point.speed_m_s, point.acceleration_m_s2]
+            row = [*point.pose, *pace, point.blend_radius_m]
+            script.addEntry(entry(kind, entry.PositionTcpPose, row))
+        if not self._control.movePath(script, True):
             raise self._refused("path")
         self.guard()
 

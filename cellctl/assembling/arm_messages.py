@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, TypeAdapter
 
-from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path
 from cellctl.assembly import Value
 from cellctl.config import Joints, Pose, RobotSection, Vector
 
@@ -48,7 +48,7 @@ class Follow(Value):
 
     kind: Literal["follow"] = "follow"
     number: int
-    path: tuple[Waypoint, ...]
+    path: Path
     planned_duration_s: float
 
 

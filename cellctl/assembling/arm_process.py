@@ -13,7 +13,7 @@ import math
 
 import structlog
 
-from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Waypoint
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path
 from cellctl.assembling.arm_check import refuse_mismatch
 from cellctl.assembling.arm_child import ArmChild, ChildLostError, StoppedError
 from cellctl.assembling.arm_messages import (
@@ -84,7 +84,7 @@ class RemoteArm:
     def state(self) -> ArmState | None:
         return self._child.state if self._child is not None else None
 
-    async def follow(self, path: tuple[Waypoint, ...], planned_duration_s: float) -> None:
+    async def follow(self, path: Path, planned_duration_s: float) -> None:
         if path:
             await self._move(Follow(number=0, path=path, planned_duration_s=planned_duration_s))
 

@@ -33,7 +33,7 @@ class Frames:
         self.cell_from_pedestal: Matrix = to_matrix(config.pedestal.frame)
         self.flange_from_tcp: Matrix = to_matrix(config.tool.frame)
         self.base_from_cell: Matrix = inverse(self.cell_from_base)
-        self._tcp_from_flange = inverse(self.flange_from_tcp)
+        self.tcp_from_flange = inverse(self.flange_from_tcp)
 
     def place_tcp(self, cell: Cell) -> Matrix:
         """TCP pose in the base frame for a part in, or about to be put into, a workspace cell."""
@@ -58,7 +58,7 @@ class Frames:
 
     def flange(self, tcp: Matrix) -> Matrix:
         """Flange pose for a TCP pose, both in the base frame."""
-        return tcp @ self._tcp_from_flange
+        return tcp @ self.tcp_from_flange
 
     def tcp(self, flange: Matrix) -> Matrix:
         """TCP pose for a flange pose, both in the base frame."""

@@ -10,13 +10,14 @@ import math
 from collections.abc import Callable, Collection, Iterator
 
 from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.course import leg_length_m
 from cellctl.assembling.frames import Frames
 from cellctl.assembling.kinematics import Kinematics
 from cellctl.assembling.poses import Matrix, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
-from cellctl.assembling.timing import duration_s
+from cellctl.assembling.withdrawal import WithdrawalCheck
 from cellctl.assembly import Cell
-from cellctl.config import CellConfig, Joints, Vector
+from cellctl.config import CellConfig, Joints, Pose, Vector
 from cellctl.errors import PlanError
 
 HAND_SPEED_M_S = 0.05
@@ -52,6 +53,9 @@ class HandRoutes:
         self._kinematics = kinematics
         self._checker = checker
         self._clearance_m = config.robot.clearance_m
+        self._withdrawal = WithdrawalCheck(
+            frames, kinematics, config.robot.clearance_m, config.robot.margin_m
+        )
         self._pitch_m = config.voxel.pitch_m
 
     def jog(self, start: Stance, scene: Scene, delta_m: Vector, turn_rad: float) -> Route:
@@ -147,7 +151,7 @@ class HandRoutes:
         """One straight leg at hand speed, that leads away from whatever is too close."""
         pose = to_pose(goal)
         leg = self._checker.legs(start, [pose])[0]
-        self._checker.check_withdrawal(start.tcp_pose, pose, scene, self._clearance_m)
+        self._withdrawal.check(start.tcp_pose, pose, leg.samples, scene)
         waypoint = Waypoint(
             pose=pose,
             speed_m_s=min(HAND_SPEED_M_S, leg.limit_m_s),
@@ -155,7 +159,7 @@ class HandRoutes:
         )
         return Route(
             path=(waypoint,),
-            duration_s=duration_s(start.tcp_pose, (waypoint,)),
+            duration_s=_rest_to_rest_s(start.tcp_pose, waypoint),
             crossing_height_m=self._frames.height_m(goal),
             end=Stance(pose, leg.joints_rad),
         )
@@ -171,6 +175,12 @@ class HandRoutes:
         top_m = max(top_m, float(self._frames.cell_from_feeder[2, 3]))
         hanging_m = max(body.high[2] for body in scene.bodies)
         return top_m + self._clearance_m + hanging_m
+
+
+def _rest_to_rest_s(start: Pose, waypoint: Waypoint) -> float:
+    length_m, a = leg_length_m(start, waypoint.pose), waypoint.acceleration_m_s2
+    peak_m_s = min(waypoint.speed_m_s, math.sqrt(a * length_m))
+    return length_m / peak_m_s + peak_m_s / a if peak_m_s > 0.0 else 0.0
 
 
 def _refuse_no_step(delta_m: Vector, turn_rad: float) -> None:

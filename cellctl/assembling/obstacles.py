@@ -8,7 +8,7 @@ frame in which it is a plain box, and the line is tested there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.poses import Floats, Matrix, interpolate, inverse
+from cellctl.assembling.poses import Floats, Matrix, inverse
 from cellctl.assembly import Cell
 from cellctl.config import CellConfig, Vector
 
@@ -25,8 +25,6 @@ Flags = npt.NDArray[np.bool_]
 TOUCH_M = 0.002
 """Boxes that overlap by less than this only touch: parts lie face to face."""
 
-_TURNING = 1e-9
-"""Rotation matrices that differ by more than this belong to a movement that turns."""
 _FAR_M = 3.0
 """Beyond the arm's reach in any direction."""
 _COLUMN_M = (0.24, 0.24, 0.30)
@@ -69,30 +67,60 @@ class Obstacles:
     high: Floats
 
     def touched(
-        self, body: Body, start: Matrix, end: Matrix, margin_m: Vector = (0.0, 0.0, 0.0)
+        self,
+        body: Body,
+        points: Floats,
+        rotations: Floats,
+        margins_m: Floats,
+        touch_m: float = TOUCH_M,
     ) -> Flags:
-        """Which boxes the body touches on its way.
+        """Which boxes the body touches on each straight way from one point to the next.
 
         Args:
             body: what moves.
-            start: TCP pose in the base frame where the way begins.
-            end: where it ends.
-            margin_m: grows the boxes along the frame's axes; infinity takes that axis out.
+            points: n x 3 positions of the TCP in the base frame.
+            rotations: n x 3 x 3, the TCP's orientation there; it turns little from one to the next.
+            margins_m: n - 1 distances to keep; with 0, what overlaps by ``touch_m`` only touches.
 
         Returns:
-            n booleans.
+            (n - 1) x boxes.
         """
-        turning = float(np.abs(start[:3, :3] - end[:3, :3]).max()) > _TURNING
-        poses = [interpolate(start, end, i / 4) for i in range(5)] if turning else [start]
-        corners = body.corners.T
-        extent = np.concatenate(
-            [((self.frame_from_base @ pose)[:3, :3] @ corners).T for pose in poses]
-        )
-        grown_low = self.low - extent.max(axis=0) - margin_m + TOUCH_M
-        grown_high = self.high - extent.min(axis=0) + margin_m - TOUCH_M
-        origin = (self.frame_from_base @ start)[:3, 3]
-        way = (self.frame_from_base @ end)[:3, 3] - origin
-        return _line_enters(origin, way, grown_low, grown_high)
+        low, high = self._extents(body, rotations)
+        keep = np.where(margins_m > touch_m, margins_m, margins_m - touch_m)[:, None, None]
+        grown_low = self.low - np.maximum(high[:-1], high[1:])[:, None, :] - keep
+        grown_high = self.high - np.minimum(low[:-1], low[1:])[:, None, :] + keep
+        frame = self.frame_from_base
+        origins = points @ frame[:3, :3].T + frame[:3, 3]
+        ways = np.diff(origins, axis=0)[:, None, :]
+        begin, finish = _entered(origins[:-1, None, :], ways, grown_low, grown_high)
+        flags: Flags = begin < finish
+        return flags
+
+    def touched_at(self, body: Body, poses: Floats) -> Flags:
+        """Which boxes the body touches at each of n poses of the TCP (n x 4 x 4): n x boxes."""
+        low, high = self._extents(body, poses[:, :3, :3])
+        frame = self.frame_from_base
+        at = poses[:, :3, 3] @ frame[:3, :3].T + frame[:3, 3]
+        before = (at + high)[:, None, :] > self.low + TOUCH_M
+        behind = (at + low)[:, None, :] < self.high - TOUCH_M
+        flags: Flags = np.all(before & behind, axis=2)
+        return flags
+
+    def sideways_all_m(self, body: Body, points: Floats, rotations: Floats) -> Floats:
+        """How far the body is from each box sideways, however high both are: points x boxes;
+        negative where one is above the other."""
+        low, high = self._extents(body, rotations)
+        at = (points @ self.frame_from_base[:3, :3].T + self.frame_from_base[:3, 3])[:, None, :2]
+        before = self.low[:, :2] - (at + high[:, None, :2])
+        behind = at + low[:, None, :2] - self.high[:, :2]
+        apart: Floats = np.maximum(before, behind).max(axis=2)
+        return apart
+
+    def _extents(self, body: Body, rotations: Floats) -> tuple[Floats, Floats]:
+        """Minimum and maximum corner of the body about the TCP along this frame's axes, n x 3."""
+        turned = self.frame_from_base[:3, :3] @ rotations
+        corners = turned @ body.corners.T
+        return corners.min(axis=2), corners.max(axis=2)
 
     def gaps_m(self, body: Body, pose: Matrix) -> Floats:
         """How far the body is from each box, in metres; negative by how deep it is in one.
@@ -122,8 +150,9 @@ class Obstacles:
         return apart
 
 
-def _line_enters(origin: Floats, way: Floats, low: Floats, high: Floats) -> Flags:
-    """Whether the segment from ``origin`` along ``way`` enters each box (n x 3 corners)."""
+def _entered(origin: Floats, way: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Shares of a segment at which it enters and leaves boxes; not inside where the first is not
+    less. A segment of no length that begins inside is inside from 0 to 1."""
     moving = np.abs(way) > 1e-12
     divisor = np.where(moving, way, 1.0)
     first, second = (low - origin) / divisor, (high - origin) / divisor
@@ -131,10 +160,7 @@ def _line_enters(origin: Floats, way: Floats, low: Floats, high: Floats) -> Flag
     inside = (low < origin) & (origin < high)
     enter = np.where(moving, np.minimum(first, second), np.where(inside, -np.inf, np.inf))
     leave = np.where(moving, np.maximum(first, second), np.where(inside, np.inf, -np.inf))
-    begin = np.maximum(enter.max(axis=1), 0.0)
-    finish = np.minimum(leave.min(axis=1), 1.0)
-    flags: Flags = (begin < finish) | inside.all(axis=1)
-    return flags
+    return np.maximum(enter.max(axis=-1), 0.0), np.minimum(leave.min(axis=-1), 1.0)
 
 
 def gripper_body(config: CellConfig) -> Body:
@@ -228,48 +254,6 @@ def first_named(group: Obstacles, flags: Flags) -> str | None:
     """Name of the first flagged obstacle of a group, or None."""
     hits = np.flatnonzero(flags)
     return group.names[int(hits[0])] if hits.size else None
-
-
-def first_touched(
-    groups: Sequence[Obstacles], bodies: Sequence[Body], start: Matrix, end: Matrix
-) -> str | None:
-    """Name of an obstacle that a body touches on the straight way, or None."""
-    for group in groups:
-        for body in bodies:
-            name = first_named(group, group.touched(body, start, end))
-            if name is not None:
-                return name
-    return None
-
-
-def highest_below(
-    groups: Sequence[Obstacles],
-    bodies: Sequence[Body],
-    start: Matrix,
-    end: Matrix,
-    *,
-    margin_m: float,
-    cell_from_base: Matrix,
-) -> float:
-    """Height above the floor of the tallest thing that the bodies pass over, or would pass
-    through, on the way: 0 where there is nothing but floor.
-
-    Args:
-        groups: the obstacles.
-        bodies: what moves.
-        start: TCP pose in the base frame.
-        end: the same.
-        margin_m: sideways distance within which an obstacle counts.
-        cell_from_base: to measure heights.
-    """
-    height_m = 0.0
-    for group in groups:
-        top_from_frame = cell_from_base @ inverse(group.frame_from_base)
-        for body in bodies:
-            hits = group.touched(body, start, end, (margin_m, margin_m, np.inf))
-            tops_m = top_from_frame[2, 3] + group.high[hits, 2]
-            height_m = max(height_m, float(tops_m.max(initial=0.0)))
-    return height_m
 
 
 def _boxes(frame_from_base: Matrix, boxes: dict[str, tuple[Vector, Vector]]) -> Obstacles:

@@ -1,38 +1,29 @@
 """Routes: paths of the arm that keep clear of everything, checked before anything moves.
 
 Nothing moves but along a route that this module made or checked. A route goes straight up from
-where the gripper is, crosses at the lowest height that keeps ``robot.clearance_m`` from everything
-below, and goes straight down; the first and last ``robot.approach_height_m`` are slow, because
-parts touch there. All of it is checked along its whole length: reach, one arm configuration, joint
-speed, and what the gripper and its part sweep.
+where the gripper is, crosses at the lowest heights that keep ``robot.clearance_m`` from everything
+below, and goes straight down, its corners rounded; it is slow where parts touch. All of it is
+checked along its whole length: reach, one arm configuration, joint speed and acceleration, and what
+the arm, the gripper and its part sweep.
 """
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
-from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.arm import Path
 from cellctl.assembling.frames import Frames
 from cellctl.assembling.hand_routes import HandRoutes
 from cellctl.assembling.kinematics import Kinematics, same_configuration
-from cellctl.assembling.obstacles import highest_below
-from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
-from cellctl.assembling.route_check import Leg, Route, RouteChecker, Scene, Stance
+from cellctl.assembling.poses import Matrix, to_matrix, to_pose
+from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
+from cellctl.assembling.route_finder import RouteFinder
 from cellctl.assembling.take_off import TakeOffRoutes
-from cellctl.assembling.timing import duration_s
 from cellctl.assembly import Cell, TakeOff, Value
 from cellctl.config import CellConfig, Joints, Pose, Vector
 from cellctl.errors import PlanError
 
 __all__ = ["Route", "RoutePlanner", "Stance", "StepRoute"]
-
-_SAME_PLACE_M = 0.002
-_SAME_TURN_RAD = 0.01
-_SLOW_BLEND_M = 0.002
-_BLEND_SHARE = 0.45
-"""Largest share of a leg that one blend may use, so that two never overlap."""
 
 
 class StepRoute(Value):
@@ -60,6 +51,7 @@ class RoutePlanner:
         self._checker = RouteChecker(config, self._frames, self._kinematics)
         home_rad = config.robot.home_rad
         self.home = Stance(self._tcp_of(home_rad), home_rad)
+        self._finder = RouteFinder(config, self._frames, self._checker)
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
         self._taking = TakeOffRoutes(config, self._frames, self._checker)
 
@@ -274,7 +266,7 @@ class RoutePlanner:
     def check(
         self,
         start: Stance,
-        path: Sequence[Waypoint],
+        path: Path,
         placed: Collection[Cell],
         *,
         carrying: bool,
@@ -305,86 +297,7 @@ class RoutePlanner:
         return self._checker.check_joint_move(start, target_rad, scene)
 
     def _route(self, start: Stance, goal: Stance, scene: Scene) -> Route:
-        """Up, across, down: the largest blends that keep clear, at the lowest height."""
-        here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
-        height_m = self._crossing_height_m(here, there, scene)
-        corners = self._corners(here, there, height_m)
-        if not corners:
-            return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
-        square = self._waypoints(corners)
-        legs = self._checker.legs(start, [waypoint.pose for waypoint in square])
-        slowed = _slowed(square, legs)
-        refused: PlanError | None = None
-        for blend_m in (self._robot.blend_radius_m, self._robot.clearance_m, 0.0):
-            path = _blended(start.tcp_pose, slowed, blend_m, self._robot.approach_speed_m_s)
-            try:
-                self._checker.check_sweeps(start.tcp_pose, path, scene)
-            except PlanError as error:
-                refused = refused or error
-                continue
-            return Route(
-                path=path,
-                duration_s=duration_s(start.tcp_pose, path),
-                crossing_height_m=height_m,
-                end=Stance(path[-1].pose, legs[-1].joints_rad),
-            )
-        assert refused is not None
-        raise refused
-
-    def _crossing_height_m(self, here: Matrix, there: Matrix, scene: Scene) -> float:
-        lowest_m = max(self._frames.height_m(here), self._frames.height_m(there))
-        if _stacked(here, there):
-            return lowest_m
-        top_m = highest_below(
-            scene.obstacles,
-            scene.bodies,
-            here,
-            there,
-            margin_m=self._robot.clearance_m,
-            cell_from_base=self._frames.cell_from_base,
-        )
-        hanging_m = max(body.high[2] for body in scene.bodies)
-        return max(lowest_m, top_m + self._robot.clearance_m + hanging_m)
-
-    def _corners(self, here: Matrix, there: Matrix, height_m: float) -> list[tuple[Matrix, bool]]:
-        """Corners of the path, and whether the leg that leads to each is slow."""
-        slow_m = self._robot.approach_height_m
-        corners: list[tuple[Matrix, bool]] = []
-        if not _stacked(here, there):
-            corners += self._climb(here, height_m)
-            corners.append((self._frames.raised(there, height_m), False))
-            here = corners[-1][0]
-        fall_m = self._frames.height_m(here) - self._frames.height_m(there)
-        if fall_m < 0.0:
-            return corners + self._climb(here, self._frames.height_m(there))
-        if fall_m > 2.0 * slow_m:
-            near = self._frames.raised(there, self._frames.height_m(there) + slow_m)
-            corners.append((near, False))
-        if fall_m > _SAME_PLACE_M / 2:
-            corners.append((there, True))
-        return corners
-
-    def _climb(self, here: Matrix, height_m: float) -> list[tuple[Matrix, bool]]:
-        """Straight up: slowly off whatever is touched, then fast."""
-        slow_m = self._robot.approach_height_m
-        begun_m = self._frames.height_m(here)
-        if height_m - begun_m > 2.0 * slow_m:
-            clear = self._frames.raised(here, begun_m + slow_m)
-            return [(clear, True), (self._frames.raised(here, height_m), False)]
-        if height_m - begun_m > _SAME_PLACE_M / 2:
-            return [(self._frames.raised(here, height_m), True)]
-        return []
-
-    def _waypoints(self, corners: Sequence[tuple[Matrix, bool]]) -> tuple[Waypoint, ...]:
-        robot = self._robot
-        return tuple(
-            Waypoint(
-                pose=to_pose(matrix),
-                speed_m_s=robot.approach_speed_m_s if slow else robot.travel_speed_m_s,
-                acceleration_m_s2=robot.travel_acceleration_m_s2,
-            )
-            for matrix, slow in corners
-        )
+        return self._finder.find(start, goal, scene)
 
     def _stance(self, tcp: Matrix, what: str, near: Joints | None = None) -> Stance:
         """The stance of the home configuration at a TCP pose."""
@@ -403,37 +316,6 @@ class RoutePlanner:
 
     def _tcp_of(self, joints_rad: Joints) -> Pose:
         return to_pose(self._frames.tcp(self._kinematics.forward(joints_rad)))
-
-
-def _slowed(path: Sequence[Waypoint], legs: Sequence[Leg]) -> tuple[Waypoint, ...]:
-    """The same path, slow enough on every leg for every joint."""
-    return tuple(
-        waypoint.model_copy(update={"speed_m_s": min(waypoint.speed_m_s, leg.limit_m_s)})
-        for waypoint, leg in zip(path, legs, strict=True)
-    )
-
-
-def _blended(
-    start: Pose, path: Sequence[Waypoint], blend_m: float, slow_m_s: float
-) -> tuple[Waypoint, ...]:
-    """The same path with its corners rounded, none so wide that it meets the next."""
-    poses = [start, *(waypoint.pose for waypoint in path)]
-    lengths_m = [math.dist(a[:3], b[:3]) for a, b in itertools.pairwise(poses)]
-    blended = []
-    for i, waypoint in enumerate(path):
-        room_m = _BLEND_SHARE * min(lengths_m[i : i + 2]) if i + 1 < len(path) else 0.0
-        # A blend is as slow as the slower of its legs, so it is kept short beside a slow one.
-        slow = i + 1 < len(path) and min(w.speed_m_s for w in path[i : i + 2]) <= slow_m_s
-        radius_m = round(min(blend_m, room_m, _SLOW_BLEND_M if slow else math.inf), 6)
-        blended.append(waypoint.model_copy(update={"blend_radius_m": radius_m}))
-    return tuple(blended)
-
-
-def _stacked(here: Matrix, there: Matrix) -> bool:
-    """Whether one pose is straight above the other."""
-    apart_m = math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])
-    _, turned_rad = distance(to_pose(here), to_pose(there))
-    return apart_m < _SAME_PLACE_M and turned_rad < _SAME_TURN_RAD
 
 
 def _name(cell: Cell) -> str:

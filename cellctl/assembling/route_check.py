@@ -1,51 +1,62 @@
 """The checks that every movement passes, a planned route and an operator's command alike: reach,
-one arm configuration, joint speed, and what the gripper and its part sweep on their way.
+one arm configuration away from its singular places, joint speed, and what the arm, the gripper and
+its part sweep on their way, blends included.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from cellctl.assembling.arm import Waypoint
+from cellctl.assembling import links
+from cellctl.assembling.arm import JointWaypoint, Path, Waypoint
+from cellctl.assembling.course import Course, joint_course, leg_length_m, line_course
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.kinematics import JOINT_SPEEDS_RAD_S, Kinematics, same_configuration
-from cellctl.assembling.links import links_touch
+from cellctl.assembling.kinematics import (
+    JOINT_LIMIT_RAD,
+    JOINT_SPEEDS_RAD_S,
+    Kinematics,
+    as_joints,
+    same_configuration,
+)
+from cellctl.assembling.limits import JointLimits, Use, timing_of
 from cellctl.assembling.obstacles import (
     TOUCH_M,
     Body,
     Flags,
     Obstacles,
     Surroundings,
-    first_named,
-    first_touched,
     gripper_body,
     part_body,
 )
 from cellctl.assembling.poses import Floats, Matrix, interpolate, to_matrix
-from cellctl.assembling.timing import blend_chord, leg_length_m
 from cellctl.assembly import Cell, Value
 from cellctl.config import CellConfig, Joints, Pose
 from cellctl.errors import PlanError
 
 _SAMPLE_M = 0.04
-"""Spacing of the poses at which reach and configuration are checked."""
+"""Spacing of the poses at which a hand's step is checked."""
 _JUMP_RAD = 1.0
 """Joints that differ by more than this between two neighbouring samples change configuration."""
-_JOINT_SPEED_SHARE = 0.8
-"""How much of the joints' speed a route may use; the rest is for accelerating and blends."""
+_LIMIT_MARGIN_RAD = math.radians(5.0)
+"""A planned route keeps this far from every joint's limit."""
+_STRAIGHT_ELBOW = math.sin(math.radians(6.0))
+_STRAIGHT_WRIST = math.sin(math.radians(10.0))
+_NEAR_AXIS_M = 0.05
+"""A planned route keeps the wrist this far outside the cylinder about the base's axis in which a
+UR arm cannot work."""
+_BEYOND = "does not reach"
+_CROSSING_SAMPLES = 33
 _JOINT_STEP_RAD = math.radians(3.0)
-_WITHDRAWAL_STEP_M = 0.002
-_CLOSER_M = 1e-4
-"""Nothing comes closer by more than this, which is rounding."""
-_DEEPEST_M = 0.02
-"""An arm that is deeper in something than this is let up past nothing else as deeply."""
-_LEAVING_SHARE = 0.1
-"""What touches is left by at least this share of the way."""
+_PLANNED_SHARE = 0.94
+"""Of the joints' greatest acceleration; the rest is for what lies between a curve's samples."""
+_SIDEWAYS_M = 1e-4
+_MARGIN_SHARE = 0.25
+"""Of the distance from an end of a path sideways: so much of it is margin, up to all of it. A way
+that leads off a face at 15 degrees or more keeps it."""
 
 
 class Stance(NamedTuple):
@@ -59,12 +70,12 @@ class Stance(NamedTuple):
 class Route(Value):
     """A checked path from one stance."""
 
-    path: tuple[Waypoint, ...]
+    path: Path
     """Empty where the arm is already there."""
     duration_s: float
     """Planned, from rest to rest, in cell time."""
     crossing_height_m: float
-    """Height of the TCP above the floor while crossing."""
+    """Greatest height of the TCP above the floor."""
     end: Stance
     joints: Joints | None = None
     """Where the path alone does not lead there, the joint position to turn to at its end."""
@@ -74,10 +85,7 @@ class Route(Value):
     def slowed(self, fraction: float) -> Route:
         """The same route at a fraction (0 to 1) of its speeds. Blends and checks hold as well."""
         assert 0.0 < fraction <= 1.0, "a route is slowed by a fraction"
-        path = tuple(
-            waypoint.model_copy(update={"speed_m_s": waypoint.speed_m_s * fraction})
-            for waypoint in self.path
-        )
+        path = tuple(_slowed(waypoint, fraction) for waypoint in self.path)
         return self.model_copy(
             update={
                 "path": path,
@@ -87,6 +95,11 @@ class Route(Value):
         )
 
 
+def _slowed(waypoint: Waypoint | JointWaypoint, fraction: float) -> Waypoint | JointWaypoint:
+    name = "speed_rad_s" if isinstance(waypoint, JointWaypoint) else "speed_m_s"
+    return waypoint.model_copy(update={name: getattr(waypoint, name) * fraction})
+
+
 class Leg(NamedTuple):
     """One straight leg of a path, as the joints see it."""
 
@@ -94,6 +107,8 @@ class Leg(NamedTuple):
     """Greatest TCP speed at which every joint stays within its share."""
     joints_rad: Joints
     """Where the leg ends."""
+    samples: Floats
+    """n x 6 joint positions along it, its start included."""
 
 
 class Scene(NamedTuple):
@@ -101,6 +116,11 @@ class Scene(NamedTuple):
 
     bodies: tuple[Body, ...]
     obstacles: tuple[Obstacles, ...]
+
+    @property
+    def what(self) -> str:
+        """What moves, in words."""
+        return "part it carries" if len(self.bodies) > 1 else "empty gripper"
 
 
 class RouteChecker:
@@ -118,6 +138,13 @@ class RouteChecker:
         self._surroundings = Surroundings(config, frames)
         self._gripper = gripper_body(config)
         self._part = part_body(config)
+        self._margin_m = config.robot.margin_m
+        self._half_tool_m = config.tool.width_m / 2
+        self._tool_m = config.tool.height_m
+        self.limits = JointLimits(
+            config.robot.joint_speed_fraction * np.array(JOINT_SPEEDS_RAD_S),
+            np.full(6, _PLANNED_SHARE * config.robot.joint_acceleration_rad_s2),
+        )
 
     def scene(self, placed: Collection[Cell], *, carrying: bool) -> Scene:
         """The gripper, with or without a part, among what stands; without one in the gripper, the
@@ -125,7 +152,124 @@ class RouteChecker:
         bodies = (self._gripper, self._part) if carrying else (self._gripper,)
         return Scene(bodies, self._surroundings.around(placed, part_at_station=not carrying))
 
-    def check(self, start: Stance, path: Sequence[Waypoint], scene: Scene) -> Stance:
+    def course(self, start: Stance, path: Path) -> Course:
+        """How the arm goes a path, on the branch on which it starts.
+
+        Raises:
+            PlanError: it leaves the arm's reach, or comes too near to a joint's limit or to a place
+                where the arm would change its configuration.
+        """
+        if isinstance(path[0], JointWaypoint):
+            turning = [point for point in path if isinstance(point, JointWaypoint)]
+            corners = self.corners_rad(start, [to_matrix(point.pose) for point in turning])
+            course = joint_course(corners, turning, self._frames, self._kinematics)
+        else:
+            straight = [point for point in path if isinstance(point, Waypoint)]
+            course = line_course(
+                start.tcp_pose, start.joints_rad, straight, self._frames, self._kinematics
+            )
+        self._check_reach(start.joints_rad, course)
+        return course
+
+    def corners_rad(self, start: Stance, corners: Sequence[Matrix]) -> Floats:
+        """Joint positions of a start and of TCP poses, n + 1 x 6, each near the one before.
+
+        Raises:
+            PlanError: one is out of reach.
+        """
+        flanges = np.array(corners) @ self._frames.tcp_from_flange
+        joints = self._kinematics.follow(
+            flanges[:, :3, :3],
+            flanges[:, :3, 3],
+            self._kinematics.branch(start.joints_rad),
+            start.joints_rad,
+        )
+        self._refuse(np.array(corners)[:, :3, 3], np.isnan(joints.sum(axis=1)), _BEYOND)
+        return np.concatenate([np.array(start.joints_rad)[None, :], joints])
+
+    def tcp_between(self, start: Stance, here: Matrix, there: Matrix) -> tuple[Floats, Floats]:
+        """Where the TCP is, n x 3 and n x 3 x 3, while the joints go straight from pose to pose.
+
+        Raises:
+            PlanError: one of them is out of reach.
+        """
+        _, first, last = self.corners_rad(start, [here, there])
+        joints = first + np.linspace(0.0, 1.0, _CROSSING_SAMPLES)[:, None] * (last - first)
+        turned, at = self._kinematics.forward_many(joints)
+        tool = self._frames.flange_from_tcp
+        return at + turned @ tool[:3, 3], turned @ tool[:3, :3]
+
+    def _check_reach(self, start_rad: Joints, course: Course) -> None:
+        joints, points = course.joints_rad, course.points
+        self._refuse(points, np.isnan(joints.sum(axis=1)), _BEYOND)
+        self._refuse(
+            points,
+            np.abs(joints).max(axis=1) > JOINT_LIMIT_RAD - _LIMIT_MARGIN_RAD,
+            "would come to the end of a joint at",
+        )
+        flange = course.rotations @ self._frames.tcp_from_flange[:3, :3]
+        at = points + course.rotations @ self._frames.tcp_from_flange[:3, 3]
+        wrist = at[:, :2] - self._kinematics.lengths.d6 * flange[:, :2, 2]
+        tight = (
+            (np.abs(np.sin(joints[:, 2])) < _STRAIGHT_ELBOW)
+            | (np.abs(np.sin(joints[:, 4])) < _STRAIGHT_WRIST)
+            | (np.hypot(wrist[:, 0], wrist[:, 1]) < self._kinematics.lengths.d4 + _NEAR_AXIS_M)
+        )
+        self._refuse(points, tight, "would come to a place where it must change its configuration,")
+        jumps = np.abs(np.diff(joints, axis=0, prepend=np.array(start_rad)[None, :]))
+        self._refuse(
+            points, jumps.max(axis=1) > _JUMP_RAD, "would have to change its configuration at"
+        )
+
+    def check_room(self, course: Course, scene: Scene, touch_m: float = TOUCH_M) -> None:
+        """Check what everything that moves sweeps on a path.
+
+        The gripper and its part keep the margin, but where they go straight up or down at one end
+        of the path: there parts stand face to face. Sideways they get the margin by and by: it
+        grows with the distance from the end.
+
+        Args:
+            course: the path.
+            scene: what moves, and what is in the way.
+            touch_m: what overlaps by this, where no margin is kept, only touches.
+
+        Raises:
+            PlanError: they touch something.
+        """
+        points = course.points
+        margins = np.minimum(self._margin_m, _MARGIN_SHARE * self._aside_m(points))
+        for group in scene.obstacles:
+            for body in scene.bodies:
+                touched = group.touched(body, points, course.rotations, margins, touch_m)
+                if touched.any():
+                    name = group.names[int(np.argmax(touched.any(axis=0)))]
+                    raise PlanError(f"The {scene.what} would touch {name}.")
+        arm = self.check_links(course.joints_rad, scene)
+        if self._own_gap_m(arm, points, course.rotations, scene) < self._margin_m:
+            raise PlanError(f"The {scene.what} would come too close to the arm itself.")
+
+    def check_links(self, joints_rad: Floats, scene: Scene) -> links.Links:
+        """The same for the arm's links alone.
+
+        Args:
+            joints_rad: n x 6.
+            scene: what is in the way.
+
+        Raises:
+            PlanError: one comes too close to something.
+        """
+        arm = links.links(joints_rad, self._kinematics.model)
+        near = links.nearest(arm, scene.obstacles, self._margin_m)
+        if near.gap_m < self._margin_m:
+            raise PlanError(f"The arm's {near.link} would come too close to {near.other}.")
+        return arm
+
+    def line_duration_s(self, start: Stance, path: Sequence[Waypoint]) -> float:
+        """How long straight lines of the TCP take, from rest to rest."""
+        course = line_course(start.tcp_pose, start.joints_rad, path, self._frames, self._kinematics)
+        return timing_of(course, tuple(path)).duration_s
+
+    def check(self, start: Stance, path: Path, scene: Scene) -> Stance:
         """Check a whole path.
 
         Returns:
@@ -135,15 +279,20 @@ class RouteChecker:
             PlanError: it leaves the arm's reach or configuration, is too fast for a joint, or
                 touches something; the message says where.
         """
-        legs = self.legs(start, [waypoint.pose for waypoint in path])
-        for waypoint, leg in zip(path, legs, strict=True):
-            if waypoint.speed_m_s > leg.limit_m_s * 1.001:
-                raise PlanError(
-                    f"{waypoint.speed_m_s:.2f} m/s is too fast for the arm's joints on the way to "
-                    f"{self._where(to_matrix(waypoint.pose))} (at most {leg.limit_m_s:.2f} m/s)."
-                )
-        self.check_sweeps(start.tcp_pose, path, scene)
-        return Stance(path[-1].pose, legs[-1].joints_rad) if path else start
+        if not path:
+            return start
+        course = self.course(start, path)
+        used = np.abs(Use(course).joint_speeds_rad_s(timing_of(course, path)))
+        share = (used / np.array(JOINT_SPEEDS_RAD_S)).max(axis=1)
+        if float(share.max()) > 1.001:
+            where = np.eye(4)
+            where[:3, 3] = course.points[int(np.argmax(share))]
+            raise PlanError(
+                f"The path is too fast for the arm's joints at {self._where(where)}: "
+                f"they bear {1.0 / float(share.max()):.0%} of its speed."
+            )
+        self.check_room(course, scene)
+        return Stance(path[-1].pose, as_joints(course.joints_rad[-1]))
 
     def check_joint_move(self, start: Stance, target_rad: Joints, scene: Scene) -> float:
         """Check a movement in joint space, in which all joints start and end together.
@@ -157,65 +306,29 @@ class RouteChecker:
         way = np.subtract(target_rad, start.joints_rad)
         largest_rad = float(np.max(np.abs(way)))
         steps = max(1, math.ceil(largest_rad / _JOINT_STEP_RAD))
-        poses = [
-            self._frames.tcp(self._kinematics.forward(_joints(start.joints_rad, way, i / steps)))
-            for i in range(steps + 1)
-        ]
-        for before, after in itertools.pairwise(poses):
-            touched = first_touched(scene.obstacles, scene.bodies, before, after)
-            if touched is not None:
-                raise PlanError(f"Turning the joints there would touch {touched}.")
-        for i in range(steps + 1):
-            joints_rad = _joints(start.joints_rad, way, i / steps)
-            touched = links_touch(joints_rad, self._kinematics.model, scene.obstacles)
-            if touched is not None:
-                raise PlanError(f"Turning the joints there would bring the elbow to {touched}.")
+        shares = np.linspace(0.0, 1.0, steps + 1)[:, None]
+        joints = np.array(start.joints_rad) + shares * way
+        poses = [self._frames.tcp(self._kinematics.forward(as_joints(row))) for row in joints]
+        points = np.array([pose[:3, 3] for pose in poses])
+        rotations = np.array([pose[:3, :3] for pose in poses])
+        for group in scene.obstacles:
+            for body in scene.bodies:
+                touched = group.touched(body, points, rotations, np.zeros(steps)).any(axis=0)
+                if touched.any():
+                    name = group.names[int(np.argmax(touched))]
+                    raise PlanError(f"Turning the joints there would touch {name}.")
+        arm = links.links(joints, self._kinematics.model)
+        near = links.nearest(arm, scene.obstacles, 0.0)
+        if near.gap_m < 0.0:
+            raise PlanError(
+                f"Turning the joints there would bring the {near.link} to {near.other}."
+            )
+        if self._own_gap_m(arm, points, rotations, scene) < 0.0:
+            raise PlanError("Turning the joints there would bring the gripper to the arm itself.")
         return largest_rad
 
-    def check_withdrawal(self, start: Pose, end: Pose, scene: Scene, margin_m: float) -> None:
-        """Check a short straight way from wherever the arm stands, too close to something or not.
-
-        What is farther away than the margin stays so. What is nearer never comes nearer, so that
-        an arm can always leave; straight up it may pass beside what is no nearer sideways than
-        what is touched already. What touches is left behind and not dragged along sideways.
-
-        Raises:
-            PlanError: something is in the way; the message names it.
-        """
-        a, b = to_matrix(start), to_matrix(end)
-        length_m = leg_length_m(start, end)
-        steps = max(1, math.ceil(length_m / _WITHDRAWAL_STEP_M))
-        poses = [interpolate(a, b, i / steps) for i in range(steps + 1)]
-        rising_m = (self._frames.cell_from_base @ (b - a))[:3, 3]
-        lifting = math.hypot(rising_m[0], rising_m[1]) < 1e-6 < rising_m[2]
-        what = "part it carries" if len(scene.bodies) > 1 else "empty gripper"
-        pairs = [(group, body) for group in scene.obstacles for body in scene.bodies]
-        touched_m = min(float(group.gaps_m(body, a).min()) for group, body in pairs)
-        for group, body in pairs:
-            near_m = np.minimum([group.gaps_m(body, pose) for pose in poses], margin_m)
-            nearest_yet_m = np.maximum.accumulate(near_m, axis=0)
-            closer: Flags = np.any(near_m < nearest_yet_m - _CLOSER_M, axis=0)
-            if lifting:
-                beside_m = max(min(touched_m, -TOUCH_M), -_DEEPEST_M) - _CLOSER_M
-                closer = np.logical_and(closer, group.sideways_m(body, a) < beside_m)
-            if (name := first_named(group, closer)) is not None:
-                raise PlanError(
-                    f"The {what} would come closer to {name} than {margin_m * 100:.0f} cm, or "
-                    "than it is; only a way that leads off is open."
-                )
-            # Of all that is touched, what is touched most: a corner between two parts is left
-            # along the face of the one and away from the other.
-            deepest_m = near_m.min(axis=1)
-            dragged = np.diff(deepest_m) < _LEAVING_SHARE * length_m / steps
-            dragged &= deepest_m[:-1] < TOUCH_M
-            if dragged.any() and not lifting:
-                name = group.names[int(near_m[int(np.argmax(dragged))].argmin())]
-                raise PlanError(
-                    f"The {what} touches {name} and would drag along it; go straight up first."
-                )
-
     def legs(self, start: Stance, poses: Sequence[Pose]) -> list[Leg]:
-        """Follow the straight legs from pose to pose with the joints.
+        """Follow straight legs from pose to pose with the joints, from any configuration.
 
         Raises:
             PlanError: a pose is out of reach, or the arm's configuration would change.
@@ -223,10 +336,10 @@ class RouteChecker:
         legs = []
         before, joints_rad = start.tcp_pose, start.joints_rad
         for pose in poses:
-            samples = self._leg_joints(before, joints_rad, pose)
-            limit_m_s = _speed_limit_m_s(leg_length_m(before, pose), joints_rad, samples)
-            legs.append(Leg(limit_m_s, samples[-1]))
-            before, joints_rad = pose, samples[-1]
+            samples = np.array([joints_rad, *self._leg_joints(before, joints_rad, pose)])
+            limit_m_s = self._speed_limit_m_s(leg_length_m(before, pose), samples)
+            legs.append(Leg(limit_m_s, as_joints(samples[-1]), samples))
+            before, joints_rad = pose, legs[-1].joints_rad
         return legs
 
     def _leg_joints(self, start: Pose, joints_rad: Joints, end: Pose) -> list[Joints]:
@@ -249,41 +362,37 @@ class RouteChecker:
             near = found
         return samples
 
-    def check_sweeps(self, start: Pose, path: Sequence[Waypoint], scene: Scene) -> None:
-        """Check what the bodies sweep on every leg and across every blend.
+    def _speed_limit_m_s(self, length_m: float, samples: Floats) -> float:
+        """Greatest speed along a leg at which no joint is faster than its share."""
+        if length_m <= 0.0:
+            return math.inf
+        per_metre = np.abs(np.diff(samples, axis=0)).max(axis=0) * (len(samples) - 1) / length_m
+        return float(np.min(self.limits.speed_rad_s / np.maximum(per_metre, 1e-9)))
 
-        Raises:
-            PlanError: they touch something.
-        """
-        before = start
-        for i, waypoint in enumerate(path):
-            ways = [(before, waypoint.pose)]
-            if waypoint.blend_radius_m > 0.0 and i + 1 < len(path):
-                ways.append(blend_chord(before, waypoint, path[i + 1].pose))
-            for begin, end in ways:
-                touched = first_touched(
-                    scene.obstacles, scene.bodies, to_matrix(begin), to_matrix(end)
-                )
-                if touched is not None:
-                    what = "part it carries" if len(scene.bodies) > 1 else "empty gripper"
-                    raise PlanError(f"The {what} would touch {touched}.")
-            before = waypoint.pose
+    def _own_gap_m(
+        self, arm: links.Links, points: Floats, rotations: Floats, scene: Scene
+    ) -> float:
+        """Between the upper arm or forearm and what hangs from the flange."""
+        lowest_m = max(body.high[2] for body in scene.bodies)
+        depths = np.linspace(-self._tool_m, lowest_m, 4)
+        tool = points[:, None, :] + rotations[:, None, :, 2] * depths[None, :, None]
+        return links.own_gap_m(arm, tool, math.sqrt(2.0) * self._half_tool_m)
+
+    def _aside_m(self, points: Floats) -> Floats:
+        """How far each way from point to point is from straight above either end of the path."""
+        level = points @ self._frames.cell_from_base[:3, :3].T
+        ends = [np.hypot(*(level - end)[:, :2].T) for end in (level[0], level[-1])]
+        off = np.minimum(*ends)
+        aside: Floats = np.minimum(off[1:], off[:-1])
+        return np.where(aside > _SIDEWAYS_M, aside, 0.0)
+
+    def _refuse(self, points: Floats, bad: Flags, why: str) -> None:
+        """Raises PlanError where any point is flagged."""
+        if bad.any():
+            where = np.eye(4)
+            where[:3, 3] = points[int(np.argmax(bad))]
+            raise PlanError(f"The arm {why} {self._where(where)}.")
 
     def _where(self, tcp: Matrix) -> str:
         x, y, z = (self._frames.cell_from_base @ tcp)[:3, 3]
         return f"({x:.3f}, {y:.3f}, {z:.3f}) m of the cell"
-
-
-def _speed_limit_m_s(length_m: float, start: Joints, samples: Sequence[Joints]) -> float:
-    """Greatest speed along a leg at which no joint is faster than its share."""
-    if length_m <= 0.0:
-        return math.inf
-    stations = np.array([start, *samples])
-    per_metre = np.max(np.abs(np.diff(stations, axis=0)), axis=0) * len(samples) / length_m
-    limits = _JOINT_SPEED_SHARE * np.array(JOINT_SPEEDS_RAD_S)
-    return float(np.min(limits / np.maximum(per_metre, 1e-9)))
-
-
-def _joints(start: Joints, way: Floats, share: float) -> Joints:
-    a, b, c, d, e, f = (float(s + share * w) for s, w in zip(start, way, strict=True))
-    return (a, b, c, d, e, f)

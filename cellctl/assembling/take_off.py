@@ -15,11 +15,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 import numpy as np
 
 from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.course import leg_length_m
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.obstacles import Body, Obstacles, first_touched
+from cellctl.assembling.obstacles import Body, Obstacles, first_named
 from cellctl.assembling.poses import Matrix, distance, interpolate, inverse, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
-from cellctl.assembling.timing import duration_s, leg_length_m
 from cellctl.assembly import Cell, TakeOff
 from cellctl.config import CellConfig, Pose, Vector
 from cellctl.errors import PlanError
@@ -144,9 +144,10 @@ class TakeOffRoutes:
             )
             for i, (pose, (_, speed_m_s), leg) in enumerate(zip(poses, way, legs, strict=True))
         )
+        self._checker.check_links(np.concatenate([leg.samples for leg in legs]), scene)
         return Route(
             path=path,
-            duration_s=duration_s(start.tcp_pose, path),
+            duration_s=self._checker.line_duration_s(start, path),
             crossing_height_m=self._frames.height_m(way[-1][0]),
             end=Stance(poses[-1], legs[-1].joints_rad),
         )
@@ -155,18 +156,21 @@ class TakeOffRoutes:
         """Raises PlanError where something is touched on the way."""
         bodies = [piece for body in scene.bodies for piece in _slices(body)]
         obstacles = _near(scene, [to_matrix(pose) for pose in (start, *poses)])
+        samples: list[Matrix] = []
         before = start
         for pose in poses:
             _, turn_rad = distance(before, pose)
             way_m = max(leg_length_m(before, pose), _TURN_WAY_M * turn_rad)
             steps = max(1, math.ceil(way_m / _SAMPLE_M))
             a, b = to_matrix(before), to_matrix(pose)
-            for i in range(steps + 1):
-                at = interpolate(a, b, i / steps)
-                touched = first_touched(obstacles, bodies, at, at)
-                if touched is not None:
-                    raise PlanError(f"The part that is taken off would touch {touched}.")
+            samples += [interpolate(a, b, i / steps) for i in range(steps + 1)]
             before = pose
+        at = np.array(samples)
+        for group in obstacles:
+            for body in bodies:
+                name = first_named(group, np.logical_or.reduce(group.touched_at(body, at)))
+                if name is not None:
+                    raise PlanError(f"The part that is taken off would touch {name}.")
 
 
 def _angles(way: TakeOff) -> tuple[float, ...]:
@@ -183,7 +187,9 @@ def _near(scene: Scene, poses: Sequence[Matrix]) -> list[Obstacles]:
         flags = np.zeros(len(group.names), dtype=np.bool_)
         for before, after in itertools.pairwise(poses):
             for body in scene.bodies:
-                flags |= group.touched(body, before, after, (_NEAR_M,) * 3)
+                both = np.array([before, after])
+                margin = np.array([_NEAR_M])
+                flags |= group.touched(body, both[:, :3, 3], both[:, :3, :3], margin)[0]
         if flags.any():
             names = tuple(name for name, near in zip(group.names, flags, strict=True) if near)
             low, high = group.low[flags], group.high[flags]

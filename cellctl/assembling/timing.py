@@ -1,126 +1,116 @@
-"""How long a path takes: trapezoids over straight legs and rounded corners.
+"""How long a path takes: trapezoids of speed over straight legs and rounded corners.
 
 Speed along the path is as high as each stretch allows, changes no faster than its acceleration, and
-is zero at the ends and at corners without a blend. A blend of radius r leaves one leg at r before
-the corner and joins the next at r after it, on an arc, as fast as both legs allow; the arc's own
-radius and a bound on the centripetal acceleration limit the speed on it. UR does not publish its
-blends; this is the shape that its documents draw.
+is zero at the ends and at corners without a blend. A blend is as fast as both of its legs allow;
+its own radius and a bound on the centripetal acceleration limit the speed on it. Acceleration jumps
+where a trapezoid begins or ends: a controller rounds that off by itself, in some milliseconds.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from cellctl.assembling.arm import Waypoint
-from cellctl.assembling.poses import interpolate, to_matrix
-from cellctl.config import Pose
-
-BLEND_ACCELERATION_M_S2 = 10.0
-"""Assumed bound on the centripetal acceleration in a blend."""
-TURN_WEIGHT_M_PER_RAD = 0.5
-"""Assumed: a radian of turning takes as long as this many metres."""
-
-_STRAIGHT_RAD = 1e-3
-_REVERSAL_RAD = math.pi - 1e-2
+from cellctl.assembling.poses import Floats
+from cellctl.assembling.rounded import Piece
 
 
-@dataclass(frozen=True)
-class _Stretch:
-    length_m: float
-    speed_m_s: float
-    acceleration_m_s2: float
+class _Stretch(NamedTuple):
+    length: float
+    speed: float
+    acceleration: float
     stops: bool
 
 
-def duration_s(start: Pose, path: Sequence[Waypoint]) -> float:
-    """Predicted time from rest at ``start`` to rest at the last waypoint."""
-    return _profile_s(_stretches(start, path))
+@dataclass(frozen=True)
+class Timing:
+    """When the arm is where, from rest at a path's start to rest at its end.
+
+    Lengths are metres of a line, or radians of all joints together; speeds and accelerations are
+    the same a second and a second squared.
+
+    Args:
+        pieces: of the path.
+        blend_acceleration: the most across a blend.
+        speeds: of each leg.
+        accelerations: of each leg.
+    """
+
+    pieces: tuple[Piece, ...]
+    blend_acceleration: float
+    speeds: tuple[float, ...]
+    accelerations: tuple[float, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """From rest to rest."""
+        return sum(
+            _trapezoid_s(stretch, entry, leave)
+            for stretch, (entry, leave) in zip(
+                self._stretches, itertools.pairwise(self._joint_speeds), strict=True
+            )
+        )
+
+    def samples(self) -> tuple[Floats, Floats]:
+        """Speed and acceleration along the path at each sample of each piece."""
+        counts = [len(piece.shares) for piece in self.pieces]
+        rows = np.array(
+            [
+                (entry, leave, stretch.speed, stretch.acceleration, stretch.length)
+                for stretch, (entry, leave) in zip(
+                    self._stretches, itertools.pairwise(self._joint_speeds), strict=True
+                )
+            ]
+        )
+        entry, leave, most, rate, length = np.repeat(rows, counts, axis=0).T
+        way = length * np.concatenate([_even(count) for count in counts])
+        up = np.sqrt(entry**2 + 2.0 * rate * way)
+        down = np.sqrt(leave**2 + 2.0 * rate * (length - way))
+        speed = np.minimum(most, np.minimum(up, down))
+        return speed, np.where(speed < most, np.where(up < down, rate, -rate), 0.0)
+
+    @cached_property
+    def _stretches(self) -> tuple[_Stretch, ...]:
+        stretches = []
+        for i, piece in enumerate(self.pieces):
+            speed, a = self.speeds[piece.leg], self.accelerations[piece.leg]
+            if piece.arc:
+                curve = math.sqrt(self.blend_acceleration * piece.radius)
+                speed = min(speed, self.speeds[piece.leg + 1], curve)
+                a = min(a, self.accelerations[piece.leg + 1])
+            stops = not piece.arc and (i + 1 == len(self.pieces) or not self.pieces[i + 1].arc)
+            stretches.append(_Stretch(piece.length, speed, a, stops))
+        return tuple(stretches)
+
+    @cached_property
+    def _joint_speeds(self) -> tuple[float, ...]:
+        """Speed at the start, between neighbours, and at the end."""
+        stretches = self._stretches
+        speeds = [0.0]
+        for stretch, after in itertools.pairwise(stretches):
+            reached = math.sqrt(speeds[-1] ** 2 + 2.0 * stretch.acceleration * stretch.length)
+            passing = min(stretch.speed, after.speed, reached)
+            speeds.append(0.0 if stretch.stops else passing)
+        speeds.append(0.0)
+        for i, stretch in reversed(list(enumerate(stretches))):
+            braking = math.sqrt(speeds[i + 1] ** 2 + 2.0 * stretch.acceleration * stretch.length)
+            speeds[i] = min(speeds[i], braking)
+        return tuple(speeds)
 
 
-def turn_rad(before: Pose, corner: Pose, after: Pose) -> float:
-    """Change of direction at a corner: 0 goes straight on (or nowhere), pi turns back."""
-    arriving = np.subtract(corner[:3], before[:3])
-    leaving = np.subtract(after[:3], corner[:3])
-    lengths = float(np.linalg.norm(arriving) * np.linalg.norm(leaving))
-    if lengths < 1e-12:
-        return 0.0
-    return math.acos(max(-1.0, min(1.0, float(arriving @ leaving) / lengths)))
-
-
-def leg_length_m(start: Pose, end: Pose) -> float:
-    """Length of a straight leg as its duration sees it: turning counts as way."""
-    a, b = to_matrix(start), to_matrix(end)
-    cosine = (float(np.trace(a[:3, :3].T @ b[:3, :3])) - 1.0) / 2.0
-    turned_rad = math.acos(max(-1.0, min(1.0, cosine)))
-    return max(math.dist(start[:3], end[:3]), TURN_WEIGHT_M_PER_RAD * turned_rad)
-
-
-def blend_chord(before: Pose, corner: Waypoint, after: Pose) -> tuple[Pose, Pose]:
-    """The poses where the blend of a corner begins and ends."""
-
-    def towards(end: Pose) -> Pose:
-        length_m = math.dist(corner.pose[:3], end[:3])
-        share = corner.blend_radius_m / length_m if length_m > 0.0 else 0.0
-        between = interpolate(to_matrix(corner.pose), to_matrix(end), min(1.0, share))
-        x, y, z = (float(value) for value in between[:3, 3])
-        return (x, y, z, *corner.pose[3:])
-
-    return towards(before), towards(after)
-
-
-def _stretches(start: Pose, path: Sequence[Waypoint]) -> list[_Stretch]:
-    stretches = []
-    begun_m = 0.0  # how much of the leg the blend before it has used up
-    before = start
-    for i, waypoint in enumerate(path):
-        onward = path[i + 1] if i + 1 < len(path) else None
-        blend_m = 0.0 if onward is None else waypoint.blend_radius_m
-        turn = 0.0 if onward is None else turn_rad(before, waypoint.pose, onward.pose)
-        if turn > _REVERSAL_RAD:
-            blend_m = 0.0
-        length_m = max(0.0, leg_length_m(before, waypoint.pose) - begun_m - blend_m)
-        speed_m_s, a = waypoint.speed_m_s, waypoint.acceleration_m_s2
-        stretches.append(_Stretch(length_m, speed_m_s, a, stops=blend_m == 0.0))
-        if onward is not None and blend_m > 0.0:
-            corner_m_s = min(speed_m_s, onward.speed_m_s)
-            around_m = 2.0 * blend_m
-            if turn > _STRAIGHT_RAD:
-                radius_m = blend_m / math.tan(turn / 2.0)
-                corner_m_s = min(corner_m_s, math.sqrt(BLEND_ACCELERATION_M_S2 * radius_m))
-                around_m = radius_m * turn
-            stretches.append(_Stretch(around_m, corner_m_s, a, stops=False))
-        begun_m = blend_m
-        before = waypoint.pose
-    return stretches
-
-
-def _profile_s(stretches: Sequence[_Stretch]) -> float:
-    """Time over all stretches, from rest to rest."""
-    speeds = [0.0]
-    for i, stretch in enumerate(stretches[:-1]):
-        reached = math.sqrt(speeds[-1] ** 2 + 2.0 * stretch.acceleration_m_s2 * stretch.length_m)
-        passing = min(stretch.speed_m_s, stretches[i + 1].speed_m_s, reached)
-        speeds.append(0.0 if stretch.stops else passing)
-    speeds.append(0.0)
-    total_s = 0.0
-    for i, stretch in reversed(list(enumerate(stretches))):
-        leave = speeds[i + 1]
-        braking = math.sqrt(leave**2 + 2.0 * stretch.acceleration_m_s2 * stretch.length_m)
-        speeds[i] = min(speeds[i], braking)
-        total_s += _trapezoid_s(stretch, speeds[i], leave)
-    return total_s
+@cache
+def _even(count: int) -> Floats:
+    return np.linspace(0.0, 1.0, count)
 
 
 def _trapezoid_s(stretch: _Stretch, entry: float, leave: float) -> float:
-    a = stretch.acceleration_m_s2
-    peak = min(
-        stretch.speed_m_s,
-        math.sqrt(a * stretch.length_m + (entry**2 + leave**2) / 2.0),
-    )
-    ramps_m = (2.0 * peak**2 - entry**2 - leave**2) / (2.0 * a)
+    a = stretch.acceleration
+    peak = min(stretch.speed, math.sqrt(a * stretch.length + (entry**2 + leave**2) / 2.0))
+    ramps = (2.0 * peak**2 - entry**2 - leave**2) / (2.0 * a)
     ramps_s = (2.0 * peak - entry - leave) / a
-    return ramps_s + max(0.0, stretch.length_m - ramps_m) / peak if peak > 0.0 else 0.0
+    return ramps_s + max(0.0, stretch.length - ramps) / peak if peak > 0.0 else 0.0

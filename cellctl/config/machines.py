@@ -27,16 +27,32 @@ class RobotSection(Section):
     """Where the arm rests between jobs, clear of everything."""
     travel_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)]
     """Speed of the TCP between feeder and workspace."""
-    travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=10.0)]
-    """Acceleration of the TCP, everywhere."""
+    travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)]
+    """Acceleration of the TCP, in its curves too."""
+    carrying_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)] = 3.0
+    """The most with a part in the gripper, where that is less."""
+    carrying_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)] = 20.0
+    """The most with a part in the gripper, where that is less."""
+    joint_speed_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.95
+    """How much of its joints' greatest speeds the arm uses."""
+    joint_acceleration_rad_s2: Annotated[float, Field(gt=0.0, le=40.0)] = 5.2
+    """Greatest acceleration of a joint; the makers publish none."""
     approach_speed_m_s: Annotated[float, Field(gt=0.0, le=1.0)]
     """Speed over the last stretch, where parts touch."""
+    approach_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)] = 1.0
+    """Acceleration on that stretch."""
     approach_height_m: Annotated[float, Field(gt=0.0, le=0.2)]
     """Length of that stretch."""
-    blend_radius_m: Annotated[float, Field(ge=0.0, le=0.2)]
+    path: Literal["blended", "square"] = "blended"
+    """``blended``: rounded, as low as is safe, slow where parts touch; ``square``: the paper's, up
+    to one plane above everything, across and down, with a rest at every corner."""
+    blend_radius_m: Annotated[float, Field(ge=0.0, le=0.3)]
     """How round the corners of a path may be; 0 stops at each."""
     clearance_m: Annotated[float, Field(gt=0.0, le=0.3)]
     """Least distance between a carried part and what it crosses."""
+    margin_m: Annotated[float, Field(ge=0.003, le=0.1)] = 0.01
+    """Least distance between anything of the arm and anything else, but where it goes straight up
+    or down on the spot where it picks or places."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
     """The controller stops the arm when it hears nothing for one period of this."""
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0
@@ -56,6 +72,8 @@ class GripperSection(Section):
     """Standard digital input; high while a completed latch is confirmed."""
     travel_timeout_s: Positive
     """For the latch to move and say so (cell time)."""
+    latch_s: Positive = 0.35
+    """How long the latch takes to close, for times that are told in advance (cell time)."""
     release_s: Positive = 0.5
     """How long the latch takes to open, which no line tells (cell time)."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1

@@ -24,7 +24,7 @@ from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
 from cellctl.control.ledger import Ledger
 from cellctl.control.moving import ArmAndLatch
-from cellctl.control.recovery import LIFT_SHARE, Doubt, Evidence, moves_to, settle, unconfirmed
+from cellctl.control.recovery import Doubt, Evidence, moves_to, settle, unconfirmed
 from cellctl.errors import CellFault, RefusedError, UsageError
 from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
@@ -396,7 +396,7 @@ class Builder:
     async def _see_it_lift(self, move: asyncio.Task[None]) -> bool:
         """Whether the part leaves the station with the gripper."""
         if self.ledger.lift_unchecked and not self._lifted:
-            await self._hands.wait_risen(move, LIFT_SHARE * self._config.voxel.pitch_m)
+            await self._hands.wait_left_station(move)
             belt, before = await self._belt.state(), self.ledger.belt_indexes
             if belt.part_present and before is not None and belt.indexes < before:
                 # The board was restarted meanwhile: it may be the same part, or the next one.
@@ -411,9 +411,8 @@ class Builder:
         return True
 
     async def _call_the_next(self, move: asyncio.Task[None], job: Job) -> None:
-        """The next part comes in only when this one hangs higher than it is."""
-        robot, pitch_m = self._config.robot, self._config.voxel.pitch_m
-        await self._hands.wait_risen(move, pitch_m + robot.clearance_m / 2)
+        """The next part comes in only when this one hangs higher than it is, or is elsewhere."""
+        await self._hands.wait_clear_of_station(move)
         if job.more_after_this and not job.cancelling and self.ledger.counts.belt > 0:
             await self._ask_for_part(job)
 

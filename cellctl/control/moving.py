@@ -11,7 +11,7 @@ from cellctl.assembling.latch_gripper import STEADY_S
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembling.travel import travel
 from cellctl.assembly import Cell
-from cellctl.control.recovery import STAYED_M
+from cellctl.control.recovery import STAYED_M, left_station
 from cellctl.errors import CellFault, PlanError
 
 if TYPE_CHECKING:
@@ -93,14 +93,27 @@ class ArmAndLatch:
         self._opened = False
         return await self._gripper.check_wiring()
 
-    async def wait_risen(self, move: asyncio.Task[None], height_m: float) -> None:
-        """Wait until the TCP is so far above the pick station, or the movement has ended.
+    async def wait_clear_of_station(self, move: asyncio.Task[None]) -> None:
+        """Wait until a part that comes in cannot touch what the gripper holds, or the movement has
+        ended.
 
         Raises:
             CellFault: of the arm.
         """
-        height_m += self.routes.pick_stance().tcp_pose[2]
-        while not move.done() and self.state().tcp_pose[2] < height_m:
+        while not move.done() and self.near_station(carrying=True):
+            await self._clock.sleep(_POLL_S)
+        if move.done():
+            await move
+
+    async def wait_left_station(self, move: asyncio.Task[None]) -> None:
+        """Wait until the station's sensor cannot see the gripper's part any more, or the movement
+        has ended.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        pick, pitch_m = self.routes.pick_stance().tcp_pose, self._config.voxel.pitch_m
+        while not move.done() and not left_station(self.state().tcp_pose, pick, pitch_m):
             await self._clock.sleep(_POLL_S)
         if move.done():
             await move

@@ -24,7 +24,23 @@ from cellctl.messages import PartPlace
 STAYED_M = 0.005
 """The arm counts as where it was left within this distance."""
 LIFT_SHARE = 0.7
-"""Once the TCP has risen by this share of a voxel, the station's sensor no longer sees its part."""
+"""Once the TCP has risen by this share of a voxel, the station's sensor does not see its part..."""
+LEAVE_SHARE = 1.0
+"""...nor once it is this share of a voxel away in any direction."""
+
+
+def left_station(tcp: Pose, pick: Pose, pitch_m: float) -> bool:
+    """Whether the station's sensor cannot see a part in a gripper there.
+
+    Args:
+        tcp: where the gripper is, in the base frame.
+        pick: where it is with the part at the station.
+        pitch_m: edge of a part.
+    """
+    return (
+        tcp[2] - pick[2] > LIFT_SHARE * pitch_m
+        or math.dist(tcp[:3], pick[:3]) > LEAVE_SHARE * pitch_m
+    )
 
 
 _NOT_CLOSED = "cut off before the latch closed"
@@ -59,7 +75,7 @@ class Evidence(Value):
             told_open=bool(arm.digital_outputs >> lines.command_output & 1),
             at_station=math.dist(arm.tcp_pose[:3], pick[:3]) < STAYED_M,
             at_cell=place is not None and math.dist(arm.tcp_pose[:3], place[:3]) < STAYED_M,
-            risen=arm.tcp_pose[2] - pick[2] > LIFT_SHARE * config.voxel.pitch_m,
+            risen=left_station(arm.tcp_pose, pick, config.voxel.pitch_m),
             part_at_station=belt.part_present,
             belt_indexes=belt.indexes,
         )

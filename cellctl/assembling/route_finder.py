@@ -1,0 +1,141 @@
+"""Finds a quick route that keeps clear of everything, from where the arm is to where it goes.
+
+Shapes of paths are tried in turn, the quick ones first. Each is checked along its whole length; the
+first one that is clear is timed, as quick as the joints allow.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from cellctl.assembling import crossing
+from cellctl.assembling.arm import JointWaypoint, Path
+from cellctl.assembling.course import Course
+from cellctl.assembling.frames import Frames
+from cellctl.assembling.kinematics import as_joints
+from cellctl.assembling.limits import Use, leading_shares
+from cellctl.assembling.obstacles import TOUCH_M
+from cellctl.assembling.poses import to_matrix
+from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
+from cellctl.assembling.shaping import Shape, Shaper
+from cellctl.assembling.timing import Timing
+from cellctl.config import CellConfig, Joints
+from cellctl.errors import PlanError
+
+_SAME_JOINTS_RAD = 0.5
+_FLUSH_M = 0.0008
+"""Joints that go straight all the way may overlap this much with what a part stands beside."""
+
+
+class RouteFinder:
+    """Finds routes of one cell. Pure: it moves nothing and asks nothing.
+
+    Args:
+        config: the cell.
+        frames: its frames.
+        checker: its checks.
+    """
+
+    def __init__(self, config: CellConfig, frames: Frames, checker: RouteChecker) -> None:
+        self._clearance_m = config.robot.clearance_m
+        self._pitch_m = config.voxel.pitch_m
+        self._frames = frames
+        self._checker = checker
+        self._shaper = Shaper(config, frames)
+
+    def find(self, start: Stance, goal: Stance, scene: Scene) -> Route:
+        """The first of the shapes that keeps clear of everything.
+
+        Raises:
+            PlanError: none does; the message says what is in the way of the plainest one.
+        """
+        only = self._shaper.only_shape(to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose))
+        shapes = (
+            iter([only])
+            if only is not None
+            else self._shaper.shapes(self._levels_m(start, goal, scene))
+        )
+        refused: PlanError | None = None
+        plainest = False
+        for shape in shapes:
+            try:
+                return self._shaped(start, goal, shape, scene)
+            except PlanError as error:
+                if refused is None or (shape.upright and not plainest):
+                    refused, plainest = error, shape.upright
+        assert refused is not None, "some shape was tried"
+        raise refused
+
+    def _shaped(self, start: Stance, goal: Stance, shape: Shape, scene: Scene) -> Route:
+        """One shape of path, as quick as the joints allow.
+
+        Raises:
+            PlanError: the arm does not reach, would have to change its configuration, or something
+                is in the way.
+        """
+        carrying = len(scene.bodies) > 1
+        here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
+        corners = self._shaper.corners(here, there, shape)
+        if not corners:
+            height_m = self._frames.height_m(here)
+            return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
+        path = self._shaper.path(here, corners, shape, carrying=carrying)
+        course = self._checker.course(start, path)
+        end_rad = as_joints(course.joints_rad[-1])
+        if not _same_joints(end_rad, goal.joints_rad):
+            raise PlanError("The arm would have to change its configuration on the way.")
+        self._checker.check_room(course, scene, TOUCH_M if shape.upright else _FLUSH_M)
+        limits = self._shaper.tcp_limits(corners, carrying=carrying)
+        timing = Use(course).fitted(self._checker.limits, limits)
+        heights = course.points @ self._frames.cell_from_base[2, :3]
+        return Route(
+            path=_paced(path, course, timing),
+            duration_s=timing.duration_s,
+            crossing_height_m=float(heights.max() + self._frames.cell_from_base[2, 3]),
+            end=Stance(path[-1].pose, end_rad),
+        )
+
+    def _levels_m(self, start: Stance, goal: Stance, scene: Scene) -> list[tuple[float, float]]:
+        """Pairs of heights at which the way across may begin and end, above the floor; the first
+        one leads away from what stands beside its beginning without passing over it."""
+        here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
+        from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
+        level_m = max(from_m, to_m) + self._pitch_m
+        ends = [self._frames.raised(pose, level_m) for pose in (here, there)]
+        points, rotations = self._checker.tcp_between(start, *ends)
+        heights = points @ self._frames.cell_from_base[2, :3] + self._frames.cell_from_base[2, 3]
+        wanted = crossing.wishes(
+            scene.obstacles,
+            scene.bodies,
+            points,
+            rotations,
+            clearance_m=self._clearance_m,
+            cell_from_base=self._frames.cell_from_base,
+        )
+        bulge_m = heights - level_m
+        strict = crossing.heights_m(wanted.strict_m, from_m, to_m, bulge_m)
+        if np.array_equal(wanted.strict_m, wanted.leaving_m):
+            return [strict]
+        lifted_m = from_m + self._clearance_m
+        return [crossing.heights_m(wanted.leaving_m, lifted_m, to_m, bulge_m), strict]
+
+
+def _paced(path: Path, course: Course, timing: Timing) -> Path:
+    """The same path with the speeds and accelerations of a timing."""
+    paced = []
+    for point, share, speed, rate in zip(
+        path, leading_shares(course), timing.speeds, timing.accelerations, strict=True
+    ):
+        if isinstance(point, JointWaypoint):
+            pace = {"speed_rad_s": speed * share, "acceleration_rad_s2": rate * share}
+        else:
+            pace = {"speed_m_s": speed, "acceleration_m_s2": rate}
+        paced.append(point.model_copy(update=pace))
+    return cast("Path", tuple(paced))
+
+
+def _same_joints(a: Joints, b: Joints) -> bool:
+    """Whether two joint positions are the same shape of the arm, on the same turns."""
+    return max(abs(one - two) for one, two in zip(a, b, strict=True)) < _SAME_JOINTS_RAD

@@ -1,0 +1,223 @@
+"""The corners of a route: straight up, across, straight down; slow where parts touch."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from cellctl.assembling.arm import JointWaypoint, Path, Waypoint
+from cellctl.assembling.frames import Frames
+from cellctl.assembling.poses import Matrix, distance, to_pose
+from cellctl.assembly import Cell
+from cellctl.config import CellConfig
+
+_SAME_PLACE_M = 0.002
+_SAME_TURN_RAD = 0.01
+_SLOW_BLEND_M = 0.002
+_BLEND_SHARE = 0.9
+_SHARED_BLEND_SHARE = 0.45
+"""Largest share of a leg that one blend may use, so that two never overlap: of a leg that it has
+for itself but for a short blend, and of one that it shares."""
+_HIGHER = 3
+"""Where no low way is free, so many higher ones are tried, a part's height apart."""
+_LEAVING_SHARE = 0.5
+"""Of the slow stretch on which parts come to touch: so much is slow where they part."""
+_UPRIGHT_M = 0.045
+"""Joints that go straight over this length of a way up or down leave the line by 0.6 mm at most."""
+_LEAST_FAST_M = 0.008
+"""What is left of a way up or down beyond its slow stretch is faster only if it is this long."""
+
+
+class Shape(NamedTuple):
+    """What a route looks like."""
+
+    first_m: float
+    """Height of the TCP above the floor at which the way across begins."""
+    last_m: float
+    """Height at which it ends."""
+    blend_m: float
+    upright: bool = True
+    """The ways up and down are cut so short that the joints going straight keep to the line."""
+
+
+class Corner(NamedTuple):
+    """Where a leg ends, and whether the leg that leads there is slow."""
+
+    tcp: Matrix
+    slow: bool
+
+
+class Shaper:
+    """Draws routes of one cell.
+
+    Args:
+        config: the cell.
+        frames: its frames.
+    """
+
+    def __init__(self, config: CellConfig, frames: Frames) -> None:
+        self._robot = config.robot
+        self._frames = frames
+        self._pitch_m = config.voxel.pitch_m
+        self._square = config.robot.path == "square"
+        # As high as a part that hangs from the gripper must be to pass over whatever may stand.
+        tops_m = (
+            frames.height_m(frames.place_tcp(Cell(0, 0, config.grid[2] - 1))),
+            frames.height_m(frames.pick_tcp()),
+        )
+        self._plane_m = max(tops_m) + self._pitch_m + config.robot.clearance_m
+
+    def only_shape(self, here: Matrix, there: Matrix) -> Shape | None:
+        """The only shape of a way that needs no crossing; None where it needs one.
+
+        A way straight up or down has none; one by the policy ``square`` crosses in its plane.
+        """
+        if stacked(here, there):
+            height_m = max(self._frames.height_m(here), self._frames.height_m(there))
+            return Shape(height_m, height_m, 0.0)
+        return Shape(self._plane_m, self._plane_m, 0.0) if self._square else None
+
+    def shapes(self, levels_m: Sequence[tuple[float, float]]) -> Iterator[Shape]:
+        """Shapes worth trying, the quick ones first.
+
+        Args:
+            levels_m: pairs of heights at which the way across may begin and end.
+        """
+        # Where the gripper moves sideways, so much of the clearance may be cut off by a curve.
+        # Wider ones ask for a higher way, and were not found to be quicker.
+        spare_m = self._robot.clearance_m - self._robot.margin_m
+        blend_m = max(0.0, min(self._robot.blend_radius_m, spare_m))
+        for first_m, last_m in levels_m:
+            yield Shape(first_m, last_m, blend_m, upright=False)
+        for first_m, last_m in levels_m:
+            yield Shape(first_m, last_m, blend_m)
+        highest_m = max(levels_m[-1])
+        for up in range(_HIGHER + 1):
+            level_m = highest_m + up * self._pitch_m
+            yield Shape(level_m, level_m, blend_m)
+        yield Shape(*levels_m[-1], blend_m=0.0)
+
+    def corners(self, here: Matrix, there: Matrix, shape: Shape) -> list[Corner]:
+        """Corners of a path of this shape, without its start; none where there is no way to go."""
+        slow_m = 0.0 if self._square else self._robot.approach_height_m
+        found: list[Corner] = []
+        if not stacked(here, there):
+            found += self._climb(here, shape.first_m, slow_m, shape)
+            found.append(Corner(self._frames.raised(there, shape.last_m), slow=False))
+            here = found[-1].tcp
+        fall_m = self._frames.height_m(here) - self._frames.height_m(there)
+        if fall_m < 0.0:
+            return found + self._climb(here, self._frames.height_m(there), slow_m, shape)
+        if fall_m > slow_m + _LEAST_FAST_M > _LEAST_FAST_M:
+            near_m = self._frames.height_m(there) + slow_m
+            cuts = self._cuts(fall_m - slow_m, shape)
+            found += self._upright(here, near_m, [1.0 - cut for cut in reversed(cuts[:-1])] + [1.0])
+        if fall_m > _SAME_PLACE_M / 2:
+            found.append(Corner(there, slow=not self._square))
+        return found
+
+    def path(
+        self, start: Matrix, corners: Sequence[Corner], shape: Shape, *, carrying: bool
+    ) -> Path:
+        """The same corners as the arm is told them, rounded; joint speeds are still to be found."""
+        radii_m = self._radii_m(start, corners, shape)
+        if self._square:
+            return tuple(
+                Waypoint(
+                    pose=to_pose(corner.tcp),
+                    speed_m_s=speed_m_s,
+                    acceleration_m_s2=rate_m_s2,
+                    blend_radius_m=radius_m,
+                )
+                for corner, radius_m, (speed_m_s, rate_m_s2) in zip(
+                    corners, radii_m, self.tcp_limits(corners, carrying=carrying), strict=True
+                )
+            )
+        return tuple(
+            JointWaypoint(
+                pose=to_pose(corner.tcp),
+                speed_rad_s=1.0,
+                acceleration_rad_s2=1.0,
+                blend_radius_m=radius_m,
+            )
+            for corner, radius_m in zip(corners, radii_m, strict=True)
+        )
+
+    def tcp_limits(self, corners: Sequence[Corner], *, carrying: bool) -> list[tuple[float, float]]:
+        """Greatest speed (m/s) and acceleration (m/s2) of the TCP on each leg."""
+        robot = self._robot
+        speed_m_s, rate_m_s2 = robot.travel_speed_m_s, robot.travel_acceleration_m_s2
+        if carrying:
+            speed_m_s = min(speed_m_s, robot.carrying_speed_m_s)
+            rate_m_s2 = min(rate_m_s2, robot.carrying_acceleration_m_s2)
+        slow = (
+            min(speed_m_s, robot.approach_speed_m_s),
+            min(rate_m_s2, robot.approach_acceleration_m_s2),
+        )
+        return [slow if corner.slow else (speed_m_s, rate_m_s2) for corner in corners]
+
+    def _climb(self, here: Matrix, height_m: float, slow_m: float, shape: Shape) -> list[Corner]:
+        """Straight up: slowly off whatever is touched, then fast."""
+        slow_m *= _LEAVING_SHARE
+        begun_m = self._frames.height_m(here)
+        rise_m = height_m - begun_m
+        if rise_m > slow_m + _LEAST_FAST_M > _LEAST_FAST_M:
+            clear = self._frames.raised(here, begun_m + slow_m)
+            cuts = self._cuts(rise_m - slow_m, shape)
+            return [Corner(clear, slow=True), *self._upright(clear, height_m, cuts)]
+        if rise_m > _SAME_PLACE_M / 2:
+            return [Corner(self._frames.raised(here, height_m), slow=slow_m > 0.0)]
+        return []
+
+    def _cuts(self, length_m: float, shape: Shape) -> list[float]:
+        """Where a way up is cut, as shares of it, the last one 1. A piece of its own at the corner
+        to the way across leaves the rest of it to its own speed."""
+        if self._square:
+            return [1.0]
+        if shape.upright:
+            steps = max(1, math.ceil(length_m / _UPRIGHT_M))
+            return [(i + 1) / steps for i in range(steps)]
+        corner_m = shape.blend_m / _SHARED_BLEND_SHARE
+        return [1.0 - corner_m / length_m, 1.0] if length_m > 2.0 * corner_m > 0.0 else [1.0]
+
+    def _upright(self, here: Matrix, height_m: float, cuts: Sequence[float]) -> list[Corner]:
+        """Straight up or down, in pieces."""
+        begun_m = self._frames.height_m(here)
+        way_m = height_m - begun_m
+        return [
+            Corner(self._frames.raised(here, begun_m + way_m * cut), slow=False) for cut in cuts
+        ]
+
+    def _radii_m(self, start: Matrix, corners: Sequence[Corner], shape: Shape) -> list[float]:
+        """Radii of the corners, none so wide that it meets the next."""
+        radii = [0.0] * len(corners)
+        if self._square:
+            return radii
+        poses = [start, *(corner.tcp for corner in corners)]
+        ways = [b[:3, 3] - a[:3, 3] for a, b in itertools.pairwise(poses)]
+        lengths_m = [math.sqrt(float(way @ way)) for way in ways]
+        # A blend is as slow as the slower of its legs, so it is kept short beside a slow one.
+        slow = [one.slow or other.slow for one, other in itertools.pairwise(corners)]
+        for i in range(len(corners) - 1):
+            last = i + 2 == len(corners)
+            before = _room_m(lengths_m[i], shared=not (i == 0 or slow[i - 1]))
+            after = _room_m(lengths_m[i + 1], shared=not (last or slow[i + 1]))
+            room_m = min(before, after)
+            radii[i] = round(min(_SLOW_BLEND_M if slow[i] else shape.blend_m, room_m), 6)
+        return radii
+
+
+def _room_m(length_m: float, *, shared: bool) -> float:
+    """For a blend on a leg; one that has it for itself leaves room for a short one."""
+    if shared:
+        return _SHARED_BLEND_SHARE * length_m
+    return max(0.0, _BLEND_SHARE * length_m - _SLOW_BLEND_M)
+
+
+def stacked(here: Matrix, there: Matrix) -> bool:
+    """Whether one pose is straight above the other."""
+    apart_m = math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])
+    _, turned_rad = distance(to_pose(here), to_pose(there))
+    return apart_m < _SAME_PLACE_M and turned_rad < _SAME_TURN_RAD

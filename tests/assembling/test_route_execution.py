@@ -1,0 +1,35 @@
+"""Routes carried out by the emulated controller's motion and judged by the emulated world."""
+
+from __future__ import annotations
+
+import pytest
+
+from cellctl.assembly import Cell
+from cellctl.config import CellConfig
+from tests.assembling.executed import Bench, slab
+
+TOWERS = [Cell(x, y, z) for z in range(2) for x, y in ((1, 1), (4, 3))]
+BRIDGE = [*(Cell(x, 2, z) for z in range(3) for x in (1, 4)), Cell(2, 2, 2), Cell(3, 2, 2)]
+
+
+@pytest.mark.parametrize(
+    ("order", "pace"), [(BRIDGE, "blended"), (slab(2, 2, 2), "quickest"), (TOWERS, "square")]
+)
+def test_touches_nothing_keeps_every_limit_and_takes_as_long_as_told(
+    either_cell: CellConfig, order: list[Cell], pace: str
+) -> None:
+    changes: dict[str, dict[str, object]] = {
+        "blended": {},
+        "quickest": {"travel_speed_m_s": 3.0, "travel_acceleration_m_s2": 20.0},
+        "square": {"path": "square", "travel_speed_m_s": 2.0, "travel_acceleration_m_s2": 1.0},
+    }
+    robot = either_cell.robot.model_copy(update=changes[pace])
+    bench = Bench(either_cell.model_copy(update={"robot": robot}))
+    seen = bench.build(order)
+    assert seen.violations == []
+    assert bench.world.built == frozenset(order)
+    assert seen.fastest <= 1.0
+    assert seen.tcp_m_s <= 1.01 * robot.travel_speed_m_s
+    if pace != "square":
+        assert seen.hardest <= 1.03
+    assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.02)
