@@ -6,9 +6,10 @@ falls as soon as the command changes, and toggles at 5 Hz to report a fault. So 
 when the line was seen low first, rose, and then stayed high; and an opening, which no line
 confirms, is given the time that it takes.
 
-A board that is reset while its latch opens leaves it where it is, with the line low as if it were
-open. Where the board's serial port is connected, it is asked after each opening; an opening during
-which it was reset counts for nothing, and is done again from a closed latch.
+A board that is reset leaves its latch where it is, with the line low as if it were open, and takes
+the level of its command line for granted. Where its serial port is connected, it is asked after
+each opening; an opening during which it was reset counts for nothing. And after any reset the next
+opening begins with a closing, which is a place that the board confirms.
 """
 
 from __future__ import annotations
@@ -41,6 +42,8 @@ class LatchGripper:
         self._arm = arm
         self._lines = config.gripper
         self._board = board
+        self._resets_settled = 0
+        """The board's resets before the last latch that it confirmed."""
 
     async def latch(self) -> None:
         trouble = ""
@@ -50,9 +53,8 @@ class LatchGripper:
             # A latch that is closed already is opened, or its closing would prove nothing.
             if attempt > 0 or not self._commanded_open():
                 await self.unlatch()
-            resets = self._board.resets if self._board is not None else 0
-            await self._command(open_=False)
-            if await self._status(high=True, timeout_s=self._lines.travel_timeout_s):
+            resets = self._resets()
+            if await self._close():
                 if not await self._status(high=False, timeout_s=STEADY_S):
                     return
                 if not await self._reset_since(resets):
@@ -70,10 +72,10 @@ class LatchGripper:
             if attempt > 0:
                 _log.warning("gripper_unlatch_again", attempt=attempt)
                 await self._command(open_=False)
-                if trouble.code == "gripper_reset":
-                    # From a known place: the board that started anew knows of no latch.
-                    await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
-            resets = self._board.resets if self._board is not None else 0
+            if self._resets() != self._resets_settled:
+                await self._close()
+                self._resets_settled = self._resets()
+            resets = self._resets()
             await self._command(open_=True)
             if not await self._status(high=False, timeout_s=self._lines.travel_timeout_s):
                 says = await self._board_says()
@@ -124,6 +126,19 @@ class LatchGripper:
             return f"{told}; input {names} changed instead: is that the status line?"
         return f"{told}; no input changed: look at the command line and at the gripper's power."
 
+    def _resets(self) -> int:
+        """How many resets of the board are known."""
+        return self._board.resets if self._board is not None else 0
+
+    async def _close(self) -> bool:
+        """Tell the latch to close; whether it confirms."""
+        resets = self._resets()
+        await self._command(open_=False)
+        confirmed = await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
+        if confirmed:
+            self._resets_settled = resets
+        return confirmed
+
     async def _reset_since(self, resets: int) -> bool:
         """Whether the board was reset since it counted so many; False where nobody can tell."""
         if self._board is None:
@@ -132,7 +147,7 @@ class LatchGripper:
             await self._board.state()
         except CellctlError as error:
             _log.info("gripper_board_asked_in_vain", reason=str(error))
-        return self._board.resets != resets
+        return self._resets() != resets
 
     async def _board_says(self) -> str:
         """What the board makes of it, as a sentence for the operator; empty where it tells nothing.

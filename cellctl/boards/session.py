@@ -109,7 +109,7 @@ class Board:
         self.status: Status | None = None
         """What it said last."""
         self.resets = 0
-        """How many resets were noticed since this object was made."""
+        """How many resets were noticed since it was first identified."""
 
     @property
     def is_open(self) -> bool:
@@ -280,13 +280,14 @@ class Board:
             raise self.silent() from None
 
     def _was_reset(self, cause: ResetCause | None) -> None:
+        if not self._met:
+            return  # it was switched on before anybody knew it
         log.warning(
             "a board was reset", board=self._settings.role, cause=cause.value if cause else ""
         )
         self.resets += 1
         self.identity = None
-        if self._met:
-            self._on_reset(cause)
+        self._on_reset(cause)
 
 
 def check_identity(found: Identity, wanted: BoardPort) -> None:

@@ -221,7 +221,11 @@ class Cell:
         busy = top_of(self.controller.state) in {"feeding", "assembling"}
         if not busy or self.builder.grip is not Grip.PART or self.builder.doubt is not None:
             return
-        if await self._devices.hands.proves_latched():
+        try:
+            if await self._devices.hands.proves_latched():
+                return
+        except CellFault as fault:  # the arm is away too, which is a fault of its own
+            log.warning("nobody can tell whether the latch is confirmed", reason=str(fault))
             return
         job, told = self.active_job, f" ({cause.value})" if cause is not None else ""
         part = f"Part {job.step.index + 1}" if job is not None and job.step else "The part"

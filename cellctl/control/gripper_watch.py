@@ -47,6 +47,8 @@ class GripperWatch:
         self._resets: asyncio.Queue[ResetCause | None] = asyncio.Queue()
         self._identity: BoardData | None = None
         self._registers: dict[str, int] = {}
+        self._stale = False
+        """It was reset since it told its registers."""
         self._notice: Notice | None = None
 
     def view(self, holding: Holding) -> GripperData:
@@ -149,7 +151,7 @@ class GripperWatch:
         assert self.board is not None, "looked after only where there is one"
         before = (self._identity, self._notice)
         try:
-            if self._identity is None:
+            if self._identity is None or self._stale:
                 await self._meet()
             state = await self.board.state()
             self._notice = NOTICES["gripper_uncalibrated"] if state.default_calibration else None
@@ -178,10 +180,12 @@ class GripperWatch:
 
     async def _ask_all(self, board: GripperBoard) -> None:
         told = await board.registers()
+        self._stale = False
         self._registers = {register.name.lower(): value for register, value in told.items()}
         self._on_change()
 
     def _was_reset(self, cause: ResetCause | None) -> None:
+        self._stale = True
         self._resets.put_nowait(cause)
 
 

@@ -73,6 +73,30 @@ def test_a_board_that_was_reset_while_it_was_unplugged_is_noticed(idle: RunningC
     idle.wait("a reset", lambda now: now.gripper.resets == before + 1)
 
 
+def test_after_a_reset_an_opening_begins_with_a_latch_that_is_confirmed(
+    idle: RunningCell,
+) -> None:
+    def cycles() -> int:
+        ask(idle, do="show")
+        return idle.client.snapshot().gripper.registers["cycles"]
+
+    begin(idle, 1, 1, 1)
+    idle.wait_state("feeding_indexing", "assembling_picking")
+    idle.client.command("stop")
+    idle.wait_state("paused_resting")
+    idle.hand("open")
+    before = cycles()
+    idle.hand("open")
+    assert cycles() == before
+    resets = idle.client.snapshot().gripper.resets
+    idle.world.inject("gripper_board_reset")
+    idle.wait("the reset", lambda now: now.gripper.resets == resets + 1)
+    idle.hand("open")
+    assert cycles() == before + 1
+    idle.client.command("resume")
+    finish_as_planned(idle)
+
+
 def test_an_operator_sees_calibrates_and_keeps(idle: RunningCell) -> None:
     assert "latch pulse: 1500 us (600 to 2400)" in ask(idle, do="show")
     assert "nothing wrong" in ask(idle, do="test")
