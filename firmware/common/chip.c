@@ -73,7 +73,7 @@ static void start_serial(void) {
     SERIAL_PORT.DIRSET = SERIAL_TXD_bm;
     SERIAL_PORT.SERIAL_RXD_CTRL = PORT_PULLUPEN_bm;
 #endif
-    /* The oscillator's error as the factory measured it at 5 V, in 1024ths, is most of its error. */
+    /* Corrected by the oscillator's error, which the factory measured at 5 V in 1024ths. */
     int8_t error = (int8_t)SIGROW.OSC20ERR5V;
     USART0.BAUD = (uint16_t)(BAUD_REGISTER + BAUD_REGISTER / 8 * error / 128);
     USART0.CTRLA = USART_RXCIE_bm | USART_TXCIE_bm | (SERIAL_ONE_WIRE ? USART_LBME_bm : 0);
