@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import IO, Any
 
 from chips import CHIPS, make_device
 from wire import SerialWire
@@ -259,6 +260,9 @@ def main() -> int:
     )
     parser.add_argument("--serial-number", type=bytes.fromhex, default=bytes(10), metavar="HEX")
     options = parser.parse_args()
+    # The simulator writes its own messages to standard output: they go to standard error instead.
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     # Ctrl-C is for whoever uses this: it closes standard input when it is done.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -272,21 +276,21 @@ def main() -> int:
                 board.device, board.loop.cycle_manager(), hears, talks, options.baud
             )
     except SimulationError as error:
-        _say({"ok": False, "error": str(error)})
+        _say(answers, {"ok": False, "error": str(error)})
         return 1
-    _say({"ok": True, "time_s": 0.0})
+    _say(answers, {"ok": True, "time_s": 0.0})
     for line in sys.stdin:
         try:
             reply = {"ok": True, **answer(board, json.loads(line))}
         except (SimulationError, KeyError, TypeError, ValueError) as error:
             reply = {"ok": False, "error": f"{error}"}
-        _say(reply)
+        _say(answers, reply)
     return 0
 
 
-def _say(reply: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(reply) + "\n")
-    sys.stdout.flush()
+def _say(answers: IO[str], reply: dict[str, Any]) -> None:
+    answers.write(json.dumps(reply) + "\n")
+    answers.flush()
 
 
 if __name__ == "__main__":

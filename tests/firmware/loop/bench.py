@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -22,10 +23,11 @@ from cellctl.boards.line import (
     encode_command,
 )
 from cellctl.config import CellConfig
-from cellctl.sim.boards import Board, ConveyorBoard, GripperBoard, make_boards
+from cellctl.sim.boards import Board, GripperBoard, make_boards
 from cellctl.sim.wiring import CellPlant
 from cellctl.sim.world import World
 from cellctl.sim.world_values import Imperfections
+from tests.leaks import REPOSITORY
 from tests.sim.world.hand import Hand, emulated_config
 
 STEP_S = 0.002
@@ -175,6 +177,15 @@ class Bench:
         return self.time_s - began_s
 
 
+def compile_programs() -> None:
+    """Bring ``firmware/build`` up to date with the sources."""
+    subprocess.run(
+        ["make", "--no-print-directory", "-s", "-C", REPOSITORY / "firmware"],
+        check=True,
+        timeout=120,
+    )
+
+
 def _config(kind: str, folder: Path) -> CellConfig:
     config = emulated_config()
     assert config.emulation is not None
@@ -203,6 +214,3 @@ def conveyor(
         bench.host.identify()
         bench.host.heard()
         yield bench
-
-
-__all__ = ["Bench", "Board", "ConveyorBoard", "Host", "conveyor", "gripper"]

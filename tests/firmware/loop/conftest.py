@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-
 import pytest
 
-from tests.leaks import REPOSITORY
+from tests.firmware.loop.bench import compile_programs
 
 
 @pytest.fixture(scope="session", autouse=True)
 def binaries() -> None:
     """``firmware/build`` holds what the sources say."""
-    subprocess.run(
-        ["make", "--no-print-directory", "-s", "-C", REPOSITORY / "firmware"],
-        check=True,
-        timeout=120,
-    )
+    compile_programs()
