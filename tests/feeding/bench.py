@@ -26,8 +26,8 @@ DEADLINE_S = 20.0
 class PartsOnBelt:
     """A belt without an end stop: an advance too many carries a part past the sensor."""
 
-    def __init__(self, parts: int) -> None:
-        self.ahead_m = [PITCH_M * (number + 1) for number in range(parts)]
+    def __init__(self, parts: int, pitch_m: float = PITCH_M) -> None:
+        self.ahead_m = [pitch_m * (number + 1) for number in range(parts)]
         """How far each part has still to go to the pick station."""
         self.travel_m = 0.0
         """Net travel, forward less backward."""
@@ -69,20 +69,21 @@ class Bench:
         await self.until(lambda: not self.emulator.truth().moving)
 
 
-def cell_config(port: Path, **feeder: Any) -> CellConfig:
+def cell_config(port: Path, pitch_m: float = PITCH_M, **feeder: Any) -> CellConfig:
     """The emulated cell with its conveyor at this port and with other feeder settings."""
     config = load_config(SIM_CONFIG)
     settings = config.feeder.model_copy(update={"port": str(port), **feeder})
-    return config.model_copy(update={"feeder": settings})
+    voxel = config.voxel.model_copy(update={"pitch_m": pitch_m})
+    return config.model_copy(update={"feeder": settings, "voxel": voxel})
 
 
 @asynccontextmanager
-async def bench(parts: int = 5, **feeder: Any) -> AsyncIterator[Bench]:
+async def bench(parts: int = 5, pitch_m: float = PITCH_M, **feeder: Any) -> AsyncIterator[Bench]:
     """Everything running; taken apart again at the end."""
     with tempfile.TemporaryDirectory() as folder:
-        config = cell_config(Path(folder) / "cell" / "conveyor", **feeder)
+        config = cell_config(Path(folder) / "cell" / "conveyor", pitch_m, **feeder)
         clock = PacedClock()
-        world = PartsOnBelt(parts)
+        world = PartsOnBelt(parts, pitch_m)
         emulator = ConveyorEmulator(world, config)
         emulator.start()
         running = asyncio.create_task(_advance(emulator, clock))
