@@ -13,6 +13,7 @@ from cellctl.client import CellClient
 from cellctl.errors import CellctlError, ExitStatus
 from cellctl.messages import (
     FaultData,
+    GripperData,
     HealthData,
     JobData,
     PartData,
@@ -52,6 +53,7 @@ class Follower:
         self._progress = progress
         self._bar = progress.add_task("", total=None, visible=False)
         self._said = ""
+        self._noticed = ""
 
     def show(self, message: StatusMessage) -> None:
         """Show what is worth showing of one message."""
@@ -68,8 +70,16 @@ class Follower:
                 if data.detail:
                     self._console.print(f"      {data.detail}")
                 self._console.print(f"      what to do: {data.entry.remedy}")
+            case GripperData():
+                self._gripper(data)
             case _:
                 return
+
+    def _gripper(self, data: GripperData) -> None:
+        code = data.notice.code if data.notice is not None else ""
+        if data.notice is not None and code != self._noticed:
+            self._console.print(f"[yellow]{data.notice.title}[/] {data.notice.remedy}")
+        self._noticed = code
 
     def _state(self, data: StateData) -> None:
         top = data.state.split("_", maxsplit=1)[0]

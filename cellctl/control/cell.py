@@ -13,7 +13,6 @@ import structlog
 
 from cellctl.assembly import Cell as CellIndex
 from cellctl.assembly import Role
-from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control import sentences
@@ -23,7 +22,7 @@ from cellctl.control.devices import Devices
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.hand import HandMoves
-from cellctl.control.job import Grip, Job, Phase
+from cellctl.control.job import Job, Phase
 from cellctl.control.journal import Journal
 from cellctl.control.states import Event, top_of
 from cellctl.control.taking_apart import TakingApart
@@ -210,29 +209,6 @@ class Cell:
             raise RefusedError(self.last_state.sentence)
         if self.builder.doubt is not None:
             await self.recover_part(self.builder.doubt.believed)
-
-    async def gripper_was_reset(self, cause: ResetCause | None) -> None:
-        """The gripper's board was reset, and has kept its latch where it was: with a part in it the
-        cell stops and asks, unless a latch was confirmed since.
-
-        While the cell is at rest, ``resume`` asks by itself.
-        """
-        self._devices.hands.forget_opening()
-        busy = top_of(self.controller.state) in {"feeding", "assembling"}
-        if not busy or self.builder.grip is not Grip.PART or self.builder.doubt is not None:
-            return
-        try:
-            if await self._devices.hands.proves_latched():
-                return
-        except CellFault as fault:  # the arm is away too, which is a fault of its own
-            log.warning("nobody can tell whether the latch is confirmed", reason=str(fault))
-            return
-        job, told = self.active_job, f" ({cause.value})" if cause is not None else ""
-        part = f"Part {job.step.index + 1}" if job is not None and job.step else "The part"
-        self.builder.doubt_held(
-            f"{part} should be in the gripper, whose board was reset{told}", believed="gripper"
-        )
-        self.controller.post_fault(CellFault("gripper_reset", f"{part} is in it, as it seems."))
 
     def _stood_anew(self) -> None:
         """What stands has changed by a person's word."""

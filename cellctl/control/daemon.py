@@ -25,6 +25,7 @@ from cellctl.control.designing import warm_up
 from cellctl.control.devices import Devices
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.ears import LiveEars
+from cellctl.control.gripper_reset import settle_reset
 from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.health import LoopMonitor
 from cellctl.control.journal_store import SqliteJournal
@@ -128,7 +129,13 @@ class Daemon:
         return self.cell.controller.state
 
     async def _gripper_was_reset(self, cause: ResetCause | None) -> None:
-        await self.cell.gripper_was_reset(cause)
+        await settle_reset(
+            cause,
+            hands=self.devices.hands,
+            builder=self.builder,
+            controller=self.cell.controller,
+            job=self.cell.active_job,
+        )
 
     def _gripper_view(self) -> GripperData:
         return self.devices.gripper_board.view(self.builder.grip.value)

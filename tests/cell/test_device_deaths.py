@@ -44,6 +44,11 @@ def restart_board(cell: RunningCell) -> None:
     cell.world.inject("board_reset")
 
 
+def restart_gripper_board(cell: RunningCell) -> None:
+    """The gripper's, whose latch stays where it is."""
+    cell.world.inject("gripper_board_reset")
+
+
 def restart_robot(cell: RunningCell) -> None:
     """The controller's supply fails for a moment."""
     cell.world.inject("power_lost")
@@ -52,6 +57,7 @@ def restart_robot(cell: RunningCell) -> None:
 DEATHS: dict[str, Callable[[RunningCell], None]] = {
     "the arm process": kill_arm_process,
     "the conveyor's board": restart_board,
+    "the gripper's board": restart_gripper_board,
     "the robot's controller": restart_robot,
 }
 
