@@ -90,8 +90,8 @@ class Edit(Value):
     part: str = ""
     """What it is about, as it was said, singular (``leg``, ``shelf``); empty for all of it."""
     attribute: str = ""
-    """What designs call that: ``legs``, ``tiers``, ``back``, ``colour``, ``count``, ``strength``;
-    empty for a size."""
+    """What designs call that: ``legs``, ``tiers``, ``back``, ``colour``, ``count``, ``strength``,
+    ``roundness``, ``simplicity``, ``weight``; empty for a size."""
     axis: Literal["width", "depth", "height", "length"] | None = None
     """Of a size; ``length`` is the longer side, or a part's own. None is every axis alike."""
     direction: Literal["+", "-"] | None = None

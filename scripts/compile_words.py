@@ -75,9 +75,9 @@ def read_wordnet(folder: Path) -> dict[str, Word]:
             if line.startswith(" "):
                 continue
             fields = line.split()
-            lemma = fields[0]
+            lemma = fields[0].replace("-", "_")
             total = int(fields[2])
-            tagged = sorted(counts.get((lemma, pos), []), reverse=True)
+            tagged = sorted(counts.get((fields[0], pos), []), reverse=True)
             words[lemma].uses[pos] = sum(tagged) + 0.5
             if pos != "n":
                 continue

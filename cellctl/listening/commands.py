@@ -9,58 +9,75 @@ import re
 
 _SENTENCES: dict[str, tuple[str, ...]] = {
     "stop": (
-        *("stop", "stop it", "stop that", "stop everything", "stop moving", "stop building"),
-        *("stop the robot", "stop the arm", "emergency stop", "halt", "freeze"),
+        *("stop", "stop it", "stop that", "stop this", "stop everything", "stop moving"),
+        *("stop building", "stop working", "stop the robot", "stop the arm", "stop the machine"),
+        *("stop right there", "stop what you're doing", "emergency stop", "halt", "freeze"),
+        *("don't move", "do not move", "no stop", "whoa stop", "that's enough stop"),
     ),
     "pause": (
-        *("pause", "wait", "wait a moment", "wait a minute", "wait a second", "hold on"),
-        *("hold it", "hang on"),
+        *("pause", "pause it", "pause that", "pause the robot", "pause the build", "wait"),
+        *("wait for me", "wait there", "no wait", "hold on", "hold it", "hang on", "one moment"),
+        *("one second", "just a moment", "just a second", "just a minute"),
     ),
-    "resume": ("resume", "continue", "go on", "carry on", "keep going", "proceed"),
+    "resume": (
+        *("resume", "resume building", "continue", "continue building", "go on", "carry on"),
+        *("keep going", "keep building", "proceed", "unpause", "you can continue", "you can go on"),
+    ),
     "cancel": (
-        *("cancel", "cancel it", "cancel that", "cancel the build", "cancel the job", "abort"),
-        *("forget it", "forget that", "forget about it", "never mind", "nevermind", "start over"),
+        *("cancel", "cancel it", "cancel that", "cancel this", "cancel everything", "abort"),
+        *("cancel the build", "cancel the job", "cancel my request", "cancel my order", "abort it"),
+        *("no cancel", "no cancel that", "no cancel it", "abort that", "abort mission"),
+        *("abort the build", "abort the job", "forget it", "forget that", "forget about it"),
+        *("forget about that", "no forget it", "scrap it", "scrap that", "never mind"),
+        *("nevermind", "start over", "start again", "start from scratch", "i changed my mind"),
     ),
     "yes": (
         *("yes", "yeah", "yep", "yup", "sure", "okay", "ok", "of course", "correct", "do it"),
         *("go ahead", "go for it", "that's right", "looks good", "sounds good", "build it"),
-        *("yes please", "that's fine", "that's good", "that's perfect", "perfect", "sounds great"),
-        *("yes go ahead", "yes do it", "yes build it", "yes please build it", "yes please do"),
-        *("okay go ahead", "okay do it", "okay go"),
+        *("that's fine", "that's good", "that's perfect", "that's the one", "perfect"),
+        *("sounds great", "looks great", "looks perfect", "looks fine", "sounds perfect"),
+        *("it looks good", "it looks great", "please do", "sure thing", "confirm", "confirmed"),
+        *("affirmative", "let's do it", "make it so", "start building", "build that"),
+        *("do that", "okay go", "i'm sure"),
     ),
     "no": (
         *("no", "nope", "nah", "no thanks", "no thank you", "don't", "do not", "don't do it"),
-        *("no don't",),
+        *("don't build it", "don't do that", "no don't", "no don't do it", "no don't build it"),
+        *("absolutely not", "definitely not", "of course not", "no way", "i'd rather not"),
+        *("rather not", "let's not", "not that", "no not that", "not that one", "that's wrong"),
+        *("no that's wrong", "that's not right", "no that's not right", "that's not it"),
+        *("that's not what i said", "that's not what i want", "that's not what i meant"),
+        *("i don't want that", "negative"),
     ),
     "take_apart": (
-        *("take it apart", "take it apart again", "take it down", "clear it away"),
-        *("disassemble it",),
+        *("take it apart", "take it apart again", "take that apart", "take it down"),
+        *("take it to pieces", "tear it down", "clear it away", "disassemble it"),
+        *("disassemble that", "dismantle it", "dismantle that"),
     ),
-    "repeat": ("say that again", "repeat", "repeat that", "what did you say", "pardon"),
+    "repeat": (
+        *("say that again", "say it again", "repeat", "repeat that", "what did you say", "pardon"),
+        *("what was that", "come again", "i didn't hear you", "i didn't hear that"),
+        *("i didn't catch that", "i didn't understand that"),
+    ),
     "again": (
-        *("do it again", "build it again", "build another one", "make another one", "once more"),
-        *("again",),
+        *("do it again", "do that again", "build it again", "make it again", "build another one"),
+        *("make another one", "another one", "one more", "the same again", "once more", "again"),
     ),
     "help": ("help", "help me"),
 }
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}
 _POLITE = frozenset(
-    {
-        "please",
-        "now",
-        "right",
-        "robot",
-        "hey",
-        "um",
-        "uh",
-        "immediately",
-        "ok",
-        "okay",
-        "oh",
-        "just",
-    }
-)
+    {"please", "now", "right", "robot", "hey", "um", "uh", "immediately", "ok", "okay", "oh",
+     "just", "well", "then", "yes", "yeah", "yep", "sure", "alright", "actually", "so"}
+)  # fmt: skip
 """Words that change nothing when they stand before or after a control word."""
+_AGREEING = frozenset({"yes", "yeah", "yep", "sure", "ok", "okay", "alright"})
+_ASKED = re.compile(
+    r"^(?:(?:can|could|would|will) you(?: please)?|i said|i want you to|let's|all right|"
+    r"you (?:can|should|must|have to|need to))(?= )"
+)
+_BRIEFLY = re.compile(r" for (?:a|one) (?:moment|second|minute|bit|while)$| a (?:moment|second|"
+                      r"minute|bit)$")  # fmt: skip
 
 
 def spoken_command(text: str) -> str | None:
@@ -70,14 +87,27 @@ def spoken_command(text: str) -> str | None:
         One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``take_apart``,
         ``repeat``, ``again`` and ``help``.
     """
-    words = re.sub(r"[^a-z' ]+", " ", text.lower().replace("’", "'")).split()  # noqa: RUF001
-    plain = " ".join(words)
-    if plain in _BY_SENTENCE:
-        return _BY_SENTENCE[plain]
-    while words and words[0] in _POLITE:
-        words = words[1:]
-    while words and words[-1] in _POLITE:
-        words = words[:-1]
-    if len(set(words)) == 1:
-        words = words[:1]  # "stop stop stop"
-    return _BY_SENTENCE.get(" ".join(words))
+    letters = re.sub(r"[^a-z' ]+", " ", text.lower().replace("’", "'"))  # noqa: RUF001
+    plain = " ".join(letters.split())
+    for sentence in (plain, _unasked(plain)):
+        if sentence in _BY_SENTENCE:
+            return _BY_SENTENCE[sentence]
+        words = sentence.split()
+        while words and words[0] in _POLITE:
+            words = words[1:]
+        while words and words[-1] in _POLITE:
+            words = words[:-1]
+        if len(set(words)) == 1:
+            words = words[:1]  # "stop stop stop"
+        if (name := _BY_SENTENCE.get(" ".join(words))) is not None:
+            return name
+    # "yes please", "sure okay": polite words alone, of which the first agrees.
+    agrees = plain.split()[:1] and plain.split()[0] in _AGREEING
+    return "yes" if agrees and set(plain.split()) <= _POLITE else None
+
+
+def _unasked(sentence: str) -> str:
+    """Without what makes a command a question, and "for a moment"."""
+    bare = " ".join(word for word in sentence.split() if word not in ("please", "just"))
+    bare = _ASKED.sub("", bare).strip()
+    return _BRIEFLY.sub("", bare)

@@ -111,6 +111,11 @@ _RETELLS = re.compile(
     r"(?:'m|'re|'s|'ve|'d|'ll)? (?!want|need|like|love|would|'d|could|wish|demand|prefer|fancy|"
     r"feel)\w+"
 )
+_PICTURE = re.compile(
+    r"(?:an?|the) (?:\w+ ){0,4}(?:photo|photograph|picture|image|render|rendering|drawing|sketch|"
+    r"painting) of(?= )"
+)
+"""Who knows generators of pictures asks for "a photo of a red chair"; the chair is wanted."""
 _LIKENESS = re.compile(
     r"(?:something|anything|an? (?:\w+ )?(?:thing|object|shape|structure|model|one)) "
     r"(?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
@@ -163,8 +168,9 @@ def find_frame(words: tuple[str, ...]) -> Frame:
             kind, text = name, text[match.end() :].strip()
             of_speaker = match[0].endswith("make me")
             break
-    if match := _LIKENESS.match(text):
-        text = text[match.end() :].strip()
+    for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
+        if match := inner.match(text):
+            text = text[match.end() :].strip()
     return Frame(kind, tuple(text.split()), of_speaker)
 
 
@@ -199,11 +205,11 @@ def plain_words(words: tuple[str, ...]) -> list[str]:
     kept = list(words)
     while kept and kept[0] in LEXICON.greetings:
         kept = kept[1:]
+    # A "wishing well" is none of the fillers.
     kept = [
         word
         for index, word in enumerate(kept)
-        if word not in LEXICON.fillers
-        or (index and kept[index - 1] in ("a", "the") and word == "well")
+        if word not in LEXICON.fillers or (word == "well" and index > 0)
     ]
     while kept and kept[0] in LEXICON.greetings:
         kept = kept[1:]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
-from cellctl.listening.understanding.judging import is_participle
+from cellctl.listening.understanding.judging import acts_at, is_participle
 
 _REPAIR_MARK = (
     r"(?:(?:no|actually) make (?:it|that)|no wait|wait no|no sorry|sorry i mean|sorry|i mean|no|"
@@ -23,6 +23,7 @@ _TRAILING = frozenset(
      "first", "next", "soon", "immediately", "robot", "ok", "okay"}
 )  # fmt: skip
 _GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+_AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without", "that"})
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
 """Words that only lead to a size, and go with it."""
 
@@ -77,11 +78,10 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
     numeral = _numeral(kept, start) if count > 1 else []
     end = start
     stops = LEXICON.enders | LEXICON.finite
-    # A "plus sign" begins with what elsewhere joins two things.
-    while end < len(kept) and (kept[end] not in stops or (end == start and kept[end] == "plus")):
+    while end < len(kept) and (kept[end] not in stops or _is_noun_here(kept, start, end)):
         if end > start and read_number(kept, end) is not None and kept[end - 1] not in _GLYPHS:
             break
-        if end > start and is_participle(kept, end):
+        if end > start and (is_participle(kept, end) or kept[end : end + 2] == ["full", "of"]):
             break
         end += 1
     core = kept[start:end]
@@ -101,6 +101,14 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
         rest=rest,
         either=either,
     )
+
+
+def _is_noun_here(words: Sequence[str], start: int, index: int) -> bool:
+    """A ``plus sign`` and a ``trash can`` have words that elsewhere end a phrase."""
+    if words[index] == "plus":
+        return index == start
+    following = words[index + 1 : index + 2]
+    return words[index] == "can" and index > start and (not following or following[0] in _AFTER_CAN)
 
 
 def _without_sizes(words: Sequence[str], spans: Sequence[tuple[int, int]]) -> list[str]:
@@ -157,8 +165,11 @@ def _head(core: list[str], rest: Sequence[str]) -> tuple[str, list[str]]:
     if rest[:1] == ["of"]:
         after = list(rest[1:])
         stops = LEXICON.enders | LEXICON.finite
-        stop = next((i for i, word in enumerate(after) if word in stops), len(after))
-        inner = after[:stop]
+        stop = next(
+            (i for i, word in enumerate(after) if word in stops or (i and is_participle(after, i))),
+            len(after),
+        )
+        inner = after[: acts_at(after[:stop]) or stop]
         if inner:
             named = singular(inner[-1]) if head in LEXICON.of_nouns else head
             return named, ["of", *inner, *_with(after[stop:])]

@@ -29,7 +29,7 @@ from cellctl.listening.snapping import snap
 from cellctl.listening.understanding.edits import Editing, read_edits
 from cellctl.listening.understanding.hints import hints_of, meant_by, question_of
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
-from cellctl.listening.understanding.judging import Judgement
+from cellctl.listening.understanding.judging import Judgement, acts_at
 from cellctl.listening.understanding.policy import refusal_of
 from cellctl.listening.understanding.wanting import Verdict, is_wanted
 
@@ -37,6 +37,13 @@ _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
+_STYLE = re.compile(
+    r"(?:[,.;] *(?:low poly|(?:\w+ )?aerial view|studio lighting|(?:high|highly) \w+|very \w+|"
+    r"white background|product photography|3d render|photorealistic|realistic|(?:seen|viewed) from "
+    r"[\w ]+|trending on [\w ]+|[48]k))+[,. ]*$",
+    re.IGNORECASE,
+)
+"""What is said to generators of pictures after the object."""
 _MOST_CHARACTERS = 600
 """What is longer was not said to a cell; it bounds the time that reading takes."""
 
@@ -75,7 +82,7 @@ def read_request(  # noqa: PLR0911 - one way out a kind of sentence
         )
     if len(text) > _MOST_CHARACTERS:
         return _none(text, f"That was too long for me. {_TRY}", "it is too long")
-    snapped = snap(tokens(text))
+    snapped = snap(tokens(_STYLE.sub("", text)))
     heard = _Heard(text, tuple(repair(snapped.words)), tuple(snapped.changes))
     plain = tuple(plain_words(heard.words))
     if (editing := read_edits(plain, setting.pitch_m)) is not None:
@@ -111,6 +118,10 @@ def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
     wish = _spell_out(frame.rest)
     sizes = read_sizes(wish, setting.pitch_m)
     phrase = read_phrase(wish, sizes.spans)
+    if phrase is not None and phrase.determiner and (doing := acts_at(phrase.core)) is not None:
+        # "a goat drinking beer" is a goat.
+        before = next(i for i in range(len(wish)) if wish[i : i + len(phrase.core)] == phrase.core)
+        phrase = read_phrase(wish[: before + doing], sizes.spans)
     if phrase is None:
         return _none(heard.text, _no_wish(), "it has no noun phrase", ask=_meant(frame))
     verdict = is_wanted(phrase, frame, has_glyph=read_glyph(wish) is not None)

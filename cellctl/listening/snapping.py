@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from cellctl.assembly import Correction
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
+from cellctl.listening.understanding.words import look_up
 
 _NUMBER_SOUNDS = {"to": "two", "too": "two", "for": "four", "fore": "four", "won": "one"}
 _OWNERS = {
@@ -122,8 +123,12 @@ def _correct_openers(snapped: Snapped) -> None:
         if not (opener and wrong and index + 2 < len(words)):
             continue
         noun = words[index + 2]
-        if noun in LEXICON.families or (index + 3 == len(words) and noun in LEXICON.physical):
+        last = index + 3 == len(words)
+        meant = _FAMILY_SOUNDS.get(sound_of(noun)) if last and wrong else None
+        if noun in LEXICON.families or (last and noun in LEXICON.physical):
             snapped.replace(index + 1, index + 2, "a")
+        elif meant is not None and (entry := look_up(noun)) is not None and "p" in entry.parts:
+            snapped.replace(index + 1, index + 3, "a", meant)
 
 
 def _correct_parts(snapped: Snapped) -> None:
@@ -169,10 +174,19 @@ def _correct_heads(snapped: Snapped) -> None:
         better = _owner(rest, word) or _confused(rest, words[index - 1], word)
         noun = singular(word)
         known = LEXICON.is_physical(noun) is not None or noun in LEXICON.parts
-        if better is None and not known and word not in _NEVER_SNAPPED:
+        if better is None and not known and word not in _NEVER_SNAPPED and not _is_noun(word):
             better = _FAMILY_SOUNDS.get(sound_of(word))
         if better is not None and better != word:
             snapped.replace(index, index + 1, better)
+
+
+def _is_noun(word: str) -> bool:
+    """Whether a word is a noun in its own right: "a cab" is not meant to be a cube.
+
+    The past of a verb is none after an article: "a stole" is meant to be a stool.
+    """
+    entry = look_up(singular(word))
+    return entry is not None and entry.parts[:1] == "n" and "p" not in entry.parts
 
 
 def _confused(rest: list[str], before: str, word: str) -> str | None:

@@ -36,7 +36,8 @@ class Trait:
 
     axis: EditAxis | None
     direction: Direction
-    strength: bool = False
+    attribute: str = ""
+    """Where it changes no size: ``strength``, ``roundness``, ``weight``, ``simplicity``."""
     amount: float | None = None
     unit: Unit | None = None
 
@@ -63,7 +64,11 @@ COMPARATIVES = {
             "smaller tinier": (None, "-"),
         }
     ),
-    **dict.fromkeys(("stronger", "sturdier", "stabler"), Trait(None, "+", strength=True)),
+    **dict.fromkeys(("stronger", "sturdier", "stabler"), Trait(None, "+", "strength")),
+    "rounder": Trait(None, "+", "roundness"),
+    "simpler": Trait(None, "+", "simplicity"),
+    "heavier": Trait(None, "+", "weight"),
+    "lighter": Trait(None, "-", "weight"),
 }
 BASES = {
     **_traits(
@@ -79,9 +84,9 @@ BASES = {
             "small tiny little": (None, "-"),
         }
     ),
-    **dict.fromkeys(("strong", "sturdy", "stable", "solid"), Trait(None, "+", strength=True)),
-    "weak": Trait(None, "-", strength=True),
-    "wobbly": Trait(None, "-", strength=True),
+    **dict.fromkeys(("strong", "sturdy", "stable", "solid"), Trait(None, "+", "strength")),
+    "weak": Trait(None, "-", "strength"),
+    "wobbly": Trait(None, "-", "strength"),
 }
 
 VERBS = {
@@ -99,7 +104,7 @@ VERBS = {
             "shrink halve reduce": (None, "-"),
         }
     ),
-    **dict.fromkeys(("strengthen", "reinforce"), Trait(None, "+", strength=True)),
+    **dict.fromkeys(("strengthen", "reinforce"), Trait(None, "+", "strength")),
 }
 
 

@@ -14,6 +14,7 @@ from cellctl.assembly import Edit
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
+from cellctl.listening.understanding.edit_phrasing import phrasings
 from cellctl.listening.understanding.edit_words import (
     BASES,
     COMPARATIVES,
@@ -37,7 +38,7 @@ _TRAIL = re.compile(
     r" (?:please|this time|now|thanks|thank you|then|too|as well|if you can|if possible|to it|"
     r"on it|from it|of it|for me)$"
 )
-_SUBJECT = r"(?P<subject>it|that|this|them|everything|the whole thing|the (?:\w+ )?\w+)"
+_SUBJECT = r"(?P<subject>it|that|this|them|everything|the whole thing|the \w+(?: \w+)??)"
 _MAKE = re.compile(rf"(?:make|get|have|build|do) {_SUBJECT} (?:to be )?(?P<how>.+)")
 _TELL = re.compile(
     rf"(?:(?:it|that)(?= (?:a bit|a little|much|slightly|even|\w+er)\b)|"
@@ -111,11 +112,11 @@ def read_edits(words: tuple[str, ...], pitch_m: float) -> Editing | None:
     """
     text = " ".join(words)
     for lead in (False, True):
-        plain = _trimmed(text, lead=lead)
-        if (found := _replacement(plain)) is not None:
-            return found
-        if (edits := _clauses(plain, pitch_m)) is not None:
-            return Editing(edits)
+        for plain in (*phrasings(_trimmed(text, lead=lead)), *phrasings(text)[1:]):
+            if (found := _replacement(plain)) is not None:
+                return found
+            if (edits := _clauses(plain, pitch_m)) is not None:
+                return Editing(edits)
     return None
 
 
@@ -134,8 +135,8 @@ def _replacement(text: str) -> Editing | None:
     named = _INSTEAD.sub("", named)
     words = named.split()
     noun = singular(words[-1])
-    if split_degree(words)[1][-1:] and words[-1] in COMPARATIVES:
-        return None  # "make it a bit taller"
+    if words[-1] in COMPARATIVES or words[-1] in BASES:
+        return None  # "make it a bit taller", "a little less deep"
     known = part_of(noun) or noun in LEXICON.vague
     if (known and noun not in LEXICON.families) or words[1:] in (["bit"], ["little"], ["lot"]):
         return None
@@ -198,6 +199,8 @@ def _size(text: str, pitch_m: float) -> Edit | None:
     sizes = read_sizes(how, pitch_m)
     if len(sizes.metres) != 1 or sizes.spans != [(0, len(how))]:
         return None
+    if match is None and "axis_assumed" in sizes.sources.values():
+        return None  # "a foot" alone is more likely one to stand on
     axis, size_m = next(iter(sizes.metres.items()))
     part = _part_named(match)
     return None if part is None else Edit(
@@ -224,7 +227,7 @@ def _resized(text: str, _pitch_m: float) -> Edit | None:
     return Edit(
         op="scale",
         part=part,
-        attribute="strength" if trait.strength else "",
+        attribute=trait.attribute,
         axis=axis,
         direction=trait.direction,
         amount=trait.amount,
@@ -253,7 +256,7 @@ def _done(text: str, _pitch_m: float) -> Edit | None:
     if match["verb"] in ("double", "halve"):
         amount, unit = 2.0, "times"
     return Edit(
-        op="scale", part=part, attribute="strength" if verb.strength else "", axis=axis,
+        op="scale", part=part, attribute=verb.attribute, axis=axis,
         direction=verb.direction, amount=amount, unit=unit,
     )  # fmt: skip
 
@@ -285,7 +288,7 @@ def _trait(how: list[str], *, told: bool) -> Trait | None:  # noqa: PLR0911 - on
         if base is None or len(rest) not in (3, 5):
             return None
         direction: Direction = "-" if rest[0] == "half" else "+"
-        return Trait(base.axis, direction, base.strength, factor, "times")
+        return Trait(base.axis, direction, base.attribute, factor, "times")
     amount, unit, rest = amount_of(rest)
     if rest[:1] in (["more"], ["less"]) and len(rest) == 2 and rest[1] in BASES:
         base = BASES[rest[1]]

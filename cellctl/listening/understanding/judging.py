@@ -79,6 +79,8 @@ def is_participle(words: Sequence[str], index: int) -> bool:
         return False
     entry = look_up(word)
     last = index + 1 == len(words)
+    if not last and words[index + 1] in ("out", "up", "off", "down") and word.endswith("ing"):
+        return True
     if word in ("shaped", "made", "built", "carved", "filled", "covered", "dressed"):
         return not last and words[index + 1] in ("like", "of", "from", "out", "as", "with", "in")
     follows = last or words[index + 1] in LEXICON.enders | LEXICON.determiners
@@ -88,6 +90,20 @@ def is_participle(words: Sequence[str], index: int) -> bool:
     if word.endswith("ed") and len(word) > 4:
         return follows and (entry is None or not (last or "n" in entry.parts))
     return False
+
+
+def acts_at(core: Sequence[str]) -> int | None:
+    """Where an animal or a person begins to do something: "a dragon breathing fire"; else None.
+
+    A "dog training ramp" ends in a thing, and so is one.
+    """
+    if not core or LEXICON.is_physical(singular(core[-1])):
+        return None
+    for index in range(1, len(core) - 1):
+        before = look_up(singular(core[index - 1]))
+        if core[index].endswith("ing") and (before is None or before.kind in "ap"):
+            return index
+    return None
 
 
 def tells(core: Sequence[str]) -> bool:
@@ -104,6 +120,8 @@ def tells(core: Sequence[str]) -> bool:
     if LEXICON.is_physical(singular(core[-1])):
         return False  # "bed" is an old past of something, too
     last = look_up(core[-1]) if len(core) > 1 else None
+    if last is not None and last.parts[:1] == "v" and singular(core[-2]) != core[-2]:
+        return True  # "the birds fly"
     return last is not None and ("p" in last.parts or "r" in last.parts[:1])
 
 

@@ -66,18 +66,22 @@ def talk() -> Talk:
 _EDIBLE = frozenset("ds")
 _PEOPLE = frozenset({"one", "two", "three", "four", "five", "six", "eight", "1", "2", "4", "6"})
 _AFTER_PEOPLE = frozenset({"please", "by", "at", "in", "on", "near", "outside", "inside"})
+_SERVED_KINDS = frozenset({"rental", "credit", "debit", "aisle", "boarding", "savings", "checking"})
+_DRINKS = frozenset({"water", "wine", "beer", "coffee", "tea", "milk", "juice", "soda", "whiskey",
+                     "champagne", "lemonade", "cola"})  # fmt: skip
 _WAYS = (["to", "go"], ["by", "the"], ["to", "the"])
 _EXISTING = frozenset({"the", "my", "your", "our", "his", "her", "their", "its", "this", "that",
                        "these", "those"})  # fmt: skip
 
 
 def served_instead(  # noqa: PLR0911 - one way out a reason
-    head: str, rest: Sequence[str], determiner: str, *, asked: bool
+    head: str, core: Sequence[str], rest: Sequence[str], determiner: str, *, asked: bool
 ) -> str:
     """Why a phrase is a wish for a service or an errand rather than for an object.
 
     Args:
         head: the phrase's noun, singular.
+        core: the words up to it, without the article.
         rest: what follows them in the sentence.
         determiner: the word before the core, or "".
         asked: whether the sentence said that it is wanted; it did not say "make".
@@ -94,8 +98,14 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
         return "it speaks of services"
     if after[:1] == ["for"] and set(after[1:2]) & _PEOPLE and set(after[2:3]) <= _AFTER_PEOPLE:
         return "it reserves a place for people"
+    if after[:3] == ["by", "the", "window"]:
+        return "it reserves a place"
     if after[:2] in _WAYS and (asked or head not in LEXICON.families):
         return "it is an order or a direction"
+    if set(core[:-1]) & _SERVED_KINDS or core[-2:] == ("window", "seat"):
+        return "such a thing is rented or issued"
+    if after[:1] == ["of"] and set(after[1:3]) & _DRINKS:
+        return "it is a drink"
     if head in LEXICON.families:
         return ""
     if head in words.served and (asked or determiner not in ("a", "an")):

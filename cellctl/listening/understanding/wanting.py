@@ -20,6 +20,9 @@ _SUBJECTS = frozenset({"that", "which", "who", "whose", "where", "it", "i", "you
                        "he", "she", "so", "because", "and"})  # fmt: skip
 """What follows these may have a verb of its own."""
 _LENT = frozenset({"ride", "lift", "hand", "call", "ring"})
+_PRAISE = frozenset({"nice", "good", "cool", "great", "lovely", "cute", "awesome", "amazing",
+                     "wonderful", "pretty", "bad", "ugly"})  # fmt: skip
+_OBJECTS = frozenset({"it", "me", "us", "them", "him", "her"})
 _ASKING = frozenset({"can", "could", "would", "will", "should"})
 _POINTING = frozenset({"this", "that", "these", "those"})
 
@@ -49,8 +52,8 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
     # "a replica of stonehenge" is a replica; "some kind of shelf" is a shelf.
     outer = singular(phrase.core[-1])
     judgement = judge(phrase.core, head if outer in LEXICON.vague else outer)
-    if outer in LEXICON.abstract and phrase.text.startswith(f"{phrase.core[-1]} of "):
-        judgement = judge((head,), head)
+    if outer in LEXICON.of_nouns and outer != head and not LEXICON.is_physical(outer):
+        judgement = judge((head,), head)  # "a bunch of marbles"
     if has_glyph:
         return Verdict(True, judgement, "it names a letter or a digit")
     if {head, phrase.core[-1]} & (talk().weapons | talk().insults):
@@ -67,9 +70,12 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         return no("it is a number and does not say which")
     if LEXICON.determiners & set(phrase.core):
         return no("it says what to do with an object")
+    if len(head) == 1:
+        return no("it is a letter, and does not say so")
     if phrase.determiner == "the" and _compares(phrase.core[-1]):
         return no("it changes something that exists already")
-    if frame.of_speaker and judgement.kind == "p" and not LEXICON.is_physical(head):
+    plain = len(phrase.core) == 1 and not phrase.rest
+    if frame.of_speaker and plain and judgement.kind == "p" and not LEXICON.is_physical(head):
         return no("it is what somebody would like to be")
     if judgement.physical is False:
         return no(judgement.why, abstract=True)
@@ -78,7 +84,9 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
     if phrase.determiner in _POINTING:
         return no("it points at something that is there")
     if frame.kind != "making":
-        why = served_instead(head, phrase.rest, phrase.determiner, asked=frame.kind == "having")
+        why = served_instead(
+            head, phrase.core, phrase.rest, phrase.determiner, asked=frame.kind == "having"
+        )
         if why and not _named(phrase):
             return no(why)
         if frame.kind == "having" and len(phrase.core) > 1 and phrase.core[0] in _LENT:
@@ -94,6 +102,8 @@ def _no_phrase(phrase: NounPhrase) -> str:
     """Why a phrase that stands alone is rather a statement or a command."""
     if phrase.rest[:1] and phrase.rest[0] in LEXICON.finite | _ASKING:
         return "it says something about an object"
+    if phrase.rest[:1] and phrase.rest[0] in _OBJECTS and not phrase.determiner:
+        return "it says what to do with an object"
     for word in phrase.rest:
         if word in _SUBJECTS:
             break
@@ -111,6 +121,8 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
 ) -> str:
     """Why a noun without an article names no object: "make dinner", "flight status"."""
     head = phrase.objects[0]
+    if frame.kind == "bare" and phrase.core[0] in _PRAISE and len(phrase.core) > 1:
+        return "it praises something that is there"
     if head in LEXICON.families:
         if (
             frame.kind == "bare"
