@@ -186,7 +186,7 @@ def _is_noun(word: str) -> bool:
     The past of a verb is none after an article: "a stole" is meant to be a stool.
     """
     entry = look_up(singular(word))
-    return entry is not None and entry.parts[:1] == "n" and "p" not in entry.parts
+    return entry is not None and "n" in entry.parts and "p" not in entry.parts
 
 
 def _confused(rest: list[str], before: str, word: str) -> str | None:
