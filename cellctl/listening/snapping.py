@@ -84,6 +84,10 @@ def unvoiced_sound_of(word: str) -> str:
     return sound_of(word).translate(_VOICED)
 
 
+_SHORT_SOUNDS = {
+    unvoiced_sound_of(noun): noun for noun in sorted(LEXICON.families) if len(noun) <= 4
+}
+_OWN = (["my"], ["the"], ["our"], ["a"])
 _NEVER_SNAPPED = LEXICON.enders | LEXICON.fillers | LEXICON.of_nouns
 _COUNTED_PARTS = ("leg", "tier", "step", "drawer")
 _PART_PLURALS = tuple(f"{part}s" for part in _COUNTED_PARTS)
@@ -113,6 +117,11 @@ def _correct_openers(snapped: Snapped) -> None:
         snapped.replace(0, 2, "assemble")
     elif len(words) > 2 and words[0] == "and" and words[1:3] == ["you", "make"]:
         snapped.replace(0, 1, "can")
+    elif words[:1] == ["i"] and words[2:3] == ["for"] and words[3:4] in _OWN:
+        # "I bet for my dog" was "a bed for my dog".
+        key = unvoiced_sound_of(words[1])
+        if (noun := _SHORT_SOUNDS.get(key)) is not None:
+            snapped.replace(0, 2, "a", noun)
     for index, word in enumerate(words[:4]):
         if word in _OPENERS:
             snapped.replace(index, index + 1, _OPENERS[word])

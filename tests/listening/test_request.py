@@ -210,6 +210,8 @@ def test_control_words_come_first(text: str, command: str) -> None:
         ("A sample me a table with one leg.", "table with one leg"),
         ("I want to throne", "throne"),
         ("Make it cross.", "cross"),
+        ("I want it thrown.", "throne"),
+        ("I bet for my dog.", "bed"),
     ],
 )
 def test_slips_are_put_right_by_sound_and_said(heard: str, phrase: str) -> None:
