@@ -85,6 +85,10 @@ class DesignError(CellctlError):
     exit_status = ExitStatus.CANNOT_PLAN
 
 
+class UnknownObjectError(DesignError):
+    """A generator does not know the object, so that the next one may; other refusals are final."""
+
+
 class Nearest(Value):
     """What could be built instead of what is refused."""
 

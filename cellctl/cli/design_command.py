@@ -9,6 +9,7 @@ import typer
 from rich.console import Console
 
 from cellctl.assembly import Intent, Request
+from cellctl.cli.designing_here import design_here
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.config import CellConfig
@@ -140,15 +141,13 @@ def _made(given: str, config: CellConfig, screen: Console) -> GeneratedMesh:
         path = Path(given)
         read = parse_description(read_file(path), path.name)
         return realise(read, config, provenance=f"from {path.name}")
-    from cellctl.control.designing import design  # noqa: PLC0415 - heavy
-
     request = _read(given, config)
     screen.print(
         f"understood   {request.intent.value}: {request.phrase}"
         + (f" ({request.reason})" if request.reason else ""),
         markup=False,
     )
-    return design(request, config)
+    return design_here(request, config)
 
 
 def _show(made: GeneratedMesh, screen: Console) -> None:

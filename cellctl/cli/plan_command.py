@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from cellctl.assembly import BuildPlan
+from cellctl.cli.designing_here import design_here
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.cli.plan_files import Outputs
@@ -64,7 +65,6 @@ def make_plan(
                 f"{given}: not a kind of file that can be planned.",
                 f"Use one of .json, {', '.join(MESH_SUFFIXES)}.",
             )
-        from cellctl.generating.design import design  # noqa: PLC0415 - heavy
         from cellctl.listening.request import read_request  # noqa: PLC0415
         from cellctl.listening.understanding.interpreter import Setting  # noqa: PLC0415
         from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
@@ -75,7 +75,7 @@ def make_plan(
         if height_m is not None:
             sizes = {**request.dimensions_m, "height": height_m}
             request = request.model_copy(update={"dimensions_m": sizes})
-        return plan_build(design(request, config), config, inventory, progress)
+        return plan_build(design_here(request, config), config, inventory, progress)
 
     from cellctl.control.designing import plan_upload  # noqa: PLC0415
     from cellctl.validating.files import read_mesh  # noqa: PLC0415

@@ -10,6 +10,7 @@ All frames are poses in the *cell frame*: right-handed, z up, origin on the floo
 from __future__ import annotations
 
 from cellctl.config.cell import CellConfig
+from cellctl.config.generating import GeneratingSection, GeneratorName
 from cellctl.config.loading import (
     DEFAULT_PATH,
     ENVIRONMENT_VARIABLE,
@@ -53,6 +54,8 @@ __all__ = [
     "CellSection",
     "EmulationSection",
     "FeederSection",
+    "GeneratingSection",
+    "GeneratorName",
     "GripperSection",
     "HearingSection",
     "Joints",

@@ -7,6 +7,7 @@ from typing import Self
 
 from pydantic import model_validator
 
+from cellctl.config.generating import GeneratingSection
 from cellctl.config.machines import (
     FeederSection,
     GripperSection,
@@ -50,6 +51,7 @@ class CellConfig(Section):
     feeder: FeederSection
     hearing: HearingSection = HearingSection()
     understanding: UnderstandingSection = UnderstandingSection()
+    generating: GeneratingSection = GeneratingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()
     journal: JournalSection = JournalSection()

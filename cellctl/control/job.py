@@ -309,6 +309,7 @@ class Job:
             message=self.message,
             outcome=self.outcome,
             plan_id=plan.plan_id if plan is not None else "",
+            provenance=plan.provenance if plan is not None else "",
             parts_total=len(plan.steps) if plan is not None else 0,
             parts_placed=self.placed,
             predicted_s=sum(known) if durations and len(known) == len(durations) else None,

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING
 
 import structlog
 
@@ -13,9 +15,9 @@ from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
 from cellctl.control.controller import Post
+from cellctl.control.design_chain import design_by_chain
 from cellctl.control.designing import (
     change_over,
-    design,
     plan_build,
     plan_upload,
     redesign,
@@ -30,6 +32,9 @@ from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
 from cellctl.worker import WorkerProcess
+
+if TYPE_CHECKING:
+    from cellctl.mesh import GeneratedMesh
 
 log = structlog.get_logger(__name__)
 
@@ -110,29 +115,36 @@ class Wishes:
 
     async def generate(self, job: Job, post: Post) -> None:
         """Design the shape, or change it."""
-        timeout_s = self._config.planning.timeout_s
         with _or_as_before(job, post):
-            if job.change is not None:
-                request = job.change
-                generated = await self._designer.call(
-                    redesign, job.generated, request, self._config, timeout_s=timeout_s
-                )
+            request = job.change or job.request
+            assert request is not None
+            if request.intent is Intent.EDIT:
+                generated = await self._compute(redesign, job.generated, request, self._config)
                 replaces = any(edit.op == "replace" for edit in request.edits)
-                if request.intent is Intent.EDIT and job.request is not None and not replaces:
+                if job.request is not None and not replaces:
                     edits = (*job.request.edits, *request.edits)
                     request = job.request.model_copy(update={"edits": edits})
             else:
-                assert job.request is not None
-                request = job.request
-                generated = await self._designer.call(
-                    design, request, self._config, timeout_s=timeout_s
-                )
+                tell = partial(self._tell, job)
+                generated = await design_by_chain(request, self._config, self._compute, tell)
 
             def keep() -> None:
-                job.request, job.generated = request, generated
+                job.request, job.generated, job.message = request, generated, ""
                 job.phase = Phase.VALIDATING
 
             post(Event.DESIGNED, keep)
+
+    def _compute(
+        self, function: Callable[..., GeneratedMesh], *arguments: object
+    ) -> Awaitable[GeneratedMesh]:
+        """Run what computes in the designer process."""
+        timeout_s = self._config.planning.timeout_s
+        return self._designer.call(function, *arguments, timeout_s=timeout_s)
+
+    def _tell(self, job: Job, line: str) -> None:
+        """Show the visitor how far a service is."""
+        job.message = line
+        self._show(job.view())
 
     async def plan(self, job: Job, post: Post) -> None:
         """Make a plan that this cell can build."""

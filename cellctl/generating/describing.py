@@ -17,6 +17,7 @@ from cellctl.generating.boxes import mesh_of
 from cellctl.generating.families import BY_NAME, FAMILIES, find_family
 from cellctl.generating.families.brief import Brief, Count, Design, Family, Flag
 from cellctl.generating.solids import mesh_of_parts
+from cellctl.generating.wording import with_article
 from cellctl.mesh import GeneratedMesh
 
 _MOST_M = 10.0
@@ -35,13 +36,6 @@ def repertoire() -> str:
     """What can be designed, as a phrase: ``a stool, a chair, ... or a letter or digit``."""
     names = [f"{with_article(family.name)}" for family in FAMILIES if family.name != "letter"]
     return f"{', '.join(names)}, or a letter or digit"
-
-
-def with_article(phrase: str) -> str:
-    """``a stool``, ``an arch``; plural names such as ``steps`` stay alone."""
-    if phrase.endswith("s") and not phrase.endswith(("ss", "us", "glass")):
-        return phrase
-    return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
 
 
 def describe(request: Request) -> Described | None:

@@ -2,38 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from cellctl.assembly import Request
 from cellctl.config import CellConfig
-from cellctl.errors import DesignError, NoObjectError
+from cellctl.errors import DesignError, UnknownObjectError
+from cellctl.generating.catalogue import CatalogueGenerator
 from cellctl.generating.generator import Generator
 from cellctl.generating.parametric import ParametricGenerator
+from cellctl.generating.wording import refuse_no_object
 from cellctl.mesh import GeneratedMesh
 
-GENERATORS: tuple[Generator, ...] = (ParametricGenerator(),)
-"""In order of preference."""
+GENERATORS: dict[str, Generator] = {
+    generator.name: generator for generator in (ParametricGenerator(), CatalogueGenerator())
+}
+"""Those that need no network, by their names in ``generating.chain``."""
 
 
-def design(
-    request: Request, config: CellConfig, generators: Sequence[Generator] = GENERATORS
-) -> GeneratedMesh:
-    """The shape from the first generator that can design what was asked for.
+def design(request: Request, config: CellConfig) -> GeneratedMesh:
+    """The shape from the first generator without a network that knows the object.
 
     Raises:
         NoObjectError: the request asks for no object, or for one that shall not be built.
-        DesignError: no generator can; the message is that of the first, the most exact one.
+        DesignError: none knows it, or the one that does cannot have it as it was asked for.
     """
-    if not request.buildable:
-        raise NoObjectError(
-            request.refusal
-            or request.reason
-            or f"{request.text!r} names no object. Say what to build, such as a simple stool."
-        )
-    refusals: list[DesignError] = []
-    for generator in generators:
-        try:
-            return generator.generate(request, config)
-        except DesignError as refusal:
-            refusals.append(refusal)
-    raise refusals[0] if refusals else DesignError("No generator is configured.")
+    unknown: UnknownObjectError | None = None
+    for name in config.generating.chain:
+        if name in GENERATORS:
+            try:
+                return design_by(name, request, config)
+            except UnknownObjectError as refusal:
+                unknown = unknown or refusal
+    raise unknown or DesignError("No generator without a network is in generating.chain.")
+
+
+def design_by(name: str, request: Request, config: CellConfig) -> GeneratedMesh:
+    """The shape from one of ``GENERATORS``.
+
+    Raises:
+        NoObjectError: the request asks for no object, or for one that shall not be built.
+        UnknownObjectError: that generator does not know the object.
+        DesignError: it knows it, and cannot have it as it was asked for.
+    """
+    refuse_no_object(request)
+    return GENERATORS[name].generate(request, config)

@@ -6,9 +6,10 @@ from cellctl.assembly import Axis, Edit, Request
 from cellctl.config import CellConfig
 from cellctl.description import FamilyDescription, PartsDescription, Solid
 from cellctl.errors import DesignError
-from cellctl.generating.describing import describe, draw, size_cells, with_article
+from cellctl.generating.describing import describe, draw, size_cells
 from cellctl.generating.families import BY_NAME
 from cellctl.generating.families.brief import Count, Flag
+from cellctl.generating.wording import with_article
 
 _AXES: tuple[Axis, ...] = ("width", "depth", "height")
 _FACTOR = 1.5

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from cellctl.assembly import Request
 from cellctl.config import CellConfig
-from cellctl.errors import DesignError
-from cellctl.generating.describing import describe, realise, repertoire, with_article
+from cellctl.errors import UnknownObjectError
+from cellctl.generating.describing import describe, realise, repertoire
+from cellctl.generating.wording import with_article
 from cellctl.mesh import GeneratedMesh
 
 
@@ -37,7 +38,3 @@ class ParametricGenerator:
             left_out=found.left_out,
             stated_m={str(k): v for k, v in request.dimensions_m.items()},
         )
-
-
-class UnknownObjectError(DesignError):
-    """A generator does not know the object, so that the next one may; other refusals are final."""

@@ -1,0 +1,1 @@
+"""Generators that are reached over the network: Meshy, Tripo, a machine with a GPU."""

@@ -1,0 +1,23 @@
+"""What is said of wishes, and asked of them first; light enough for the daemon's loop."""
+
+from __future__ import annotations
+
+from cellctl.assembly import Request
+from cellctl.errors import NoObjectError
+
+
+def with_article(phrase: str) -> str:
+    """``a stool``, ``an arch``; plural names such as ``steps`` stay alone."""
+    if phrase.endswith("s") and not phrase.endswith(("ss", "us", "glass")):
+        return phrase
+    return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
+
+
+def refuse_no_object(request: Request) -> None:
+    """Raises NoObjectError where there is nothing to design, or nothing that shall be built."""
+    if not request.buildable:
+        raise NoObjectError(
+            request.refusal
+            or request.reason
+            or f"{request.text!r} names no object. Say what to build, such as a simple stool."
+        )
