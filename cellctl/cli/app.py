@@ -17,6 +17,7 @@ from cellctl import __version__
 from cellctl.cli import (
     backup_commands,
     boards_command,
+    catalogue_command,
     commission_command,
     config_commands,
     demo_command,
@@ -71,6 +72,7 @@ for module in (
     demo_command,
     understand_command,
     design_command,
+    catalogue_command,
     plan_command,
     paper_command,
     job_commands,

@@ -15,7 +15,7 @@ GeneratorName = Literal["description", "catalogue", "meshy", "tripo", "server"]
 class GeneratingSection(Section):
     """Where shapes come from: who is asked, in which order, and how long."""
 
-    chain: tuple[GeneratorName, ...] = ("description",)
+    chain: tuple[GeneratorName, ...] = ("description", "catalogue")
     """Asked in this order, until one knows the object: ``description`` and ``catalogue`` need no
     network; ``meshy`` and ``tripo`` are services in the cloud, ``server`` is a machine of one's
     own."""

@@ -12,8 +12,6 @@ import importlib
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Protocol
 
-import structlog
-
 from cellctl.config import CellConfig
 from cellctl.control.designing import design_by, read_model
 from cellctl.credentials import find_credential
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
     from cellctl.assembly import Request
     from cellctl.generating.remote.http import Service
     from cellctl.mesh import GeneratedMesh
-
-log = structlog.get_logger(__name__)
 
 Progress = Callable[[str], None]
 """Receives a line for the visitor."""
@@ -82,12 +78,10 @@ async def design_by_chain(
             passed.append(f"{name}: {refusal.message}")
             progress(refusal.message)
         else:
-            log.info("designed", by=name, provenance=mesh.provenance, passed=passed)
             if passed:
                 why = f"{mesh.provenance}; before it {'; '.join(passed)}"
                 mesh = dataclasses.replace(mesh, provenance=why)
             return mesh
-        log.info("not designed", by=name, reason=passed[-1])
     if failed is not None and unknown is not None:
         raise DesignError(failed.message, f"{failed.hint} {unknown.hint}".strip()) from failed
     raise failed or unknown or DesignError("No generator is configured.")
@@ -102,7 +96,6 @@ async def _asked(name: str, request: Request, config: CellConfig, progress: Prog
 
     settings, prompt = config.generating, _prompt(request)
     timeout_s, most_bytes = settings.timeout_s, int(settings.max_download_mb * 1e6)
-    log.info("a wish leaves this computer", to=_NAMES[name], prompt=prompt)
     progress(f"I am asking {_NAMES[name]} for {prompt}.")
     match name:
         case "meshy":

@@ -128,6 +128,8 @@ class Wishes:
                 tell = partial(self._tell, job)
                 generated = await design_by_chain(request, self._config, self._compute, tell)
 
+            log.info("designed", title=generated.title, provenance=generated.provenance)
+
             def keep() -> None:
                 job.request, job.generated, job.message = request, generated, ""
                 job.phase = Phase.VALIDATING
@@ -144,6 +146,7 @@ class Wishes:
     def _tell(self, job: Job, line: str) -> None:
         """Show the visitor how far a service is."""
         job.message = line
+        log.info("designing", told=line)
         self._show(job.view())
 
     async def plan(self, job: Job, post: Post) -> None:

@@ -73,6 +73,7 @@ def test_a_refusal_is_told_and_the_cell_goes_on_listening(
 
 def test_cancel_ends_the_task_at_the_service(idle: RunningCell, server: ContractServer) -> None:
     server.behaviour.looks = [server.meshy_task("IN_PROGRESS", 10)]
+    server.behaviour.cancelled.clear()
     idle.visitor.say("I want a piano")
     idle.wait(
         "progress of the service",
@@ -80,4 +81,6 @@ def test_cancel_ends_the_task_at_the_service(idle: RunningCell, server: Contract
     )
     idle.visitor.command("cancel")
     assert idle.finish().outcome == "cancelled"
+    # The cell is free before the service has answered that.
+    assert server.behaviour.cancelled.wait(30.0)
     assert server.behaviour.count("DELETE", TASK) == 1

@@ -91,7 +91,7 @@ async def make_model(
     try:
         async with asyncio.timeout(timeout_s):
             task_id = await _begun(tasks, prompt, progress)
-            log.info("task begun", service=service.name, task=task_id)
+            progress(f"{service.name} has begun (task {task_id}).")
             done = await _watched(tasks, task_id, progress)
             progress(f"{service.name} is done; I am fetching the model.")
             content = await service.download(
@@ -124,7 +124,6 @@ async def _begun(tasks: TaskService, prompt: str, progress: Progress) -> str:
         except LateError as late:
             with contextlib.suppress(ServiceError):
                 if (found := await tasks.find(prompt)) is not None:
-                    log.info("task found after silence", service=tasks.service.name, task=found)
                     return found
             raise LateError(
                 f"{late.message} It may have begun all the same, so I do not ask twice.",
@@ -180,6 +179,5 @@ async def _cancel(tasks: TaskService, task_id: str) -> None:
     try:
         async with asyncio.timeout(_CANCEL_PATIENCE_S):
             await tasks.cancel(task_id)
-        log.info("task ended", service=tasks.service.name, task=task_id)
     except (ServiceError, TimeoutError) as error:
         log.warning("task not ended", service=tasks.service.name, task=task_id, reason=str(error))
