@@ -113,7 +113,7 @@ def find_entry(request: Request, catalogue: Catalogue, most_parts: int) -> Entry
     """The object that a request means; None for none.
 
     The whole phrase counts most, then the noun; among those that mean the same, one that needs no
-    more parts than there are, and then the one nearest to the sizes that were stated.
+    more parts than there are, then the one nearest to the sizes that were stated, then the smallest.
     """
     phrase = request.phrase.lower()
     nouns = [noun.lower() for noun in request.objects[:1]]
@@ -126,10 +126,10 @@ def find_entry(request: Request, catalogue: Catalogue, most_parts: int) -> Entry
         last = entry.name.split()[-1]
         return 1 if any(noun == last or noun in entry.tags for noun in nouns) else 0
 
-    def rank(entry: Entry) -> tuple[int, bool, float, str]:
+    def rank(entry: Entry) -> tuple[int, bool, float, int, str]:
         wanted = dict(zip(("width", "depth", "height"), entry.size_m, strict=True))
         off = sum(abs(wanted[axis] - size) for axis, size in request.dimensions_m.items())
-        return (-meaning(entry), entry.parts > most_parts, off, entry.entry_id)
+        return (-meaning(entry), entry.parts > most_parts, off, entry.parts, entry.entry_id)
 
     found = [entry for entry in catalogue.entries if meaning(entry)]
     return min(found, key=rank, default=None)
