@@ -113,7 +113,7 @@ def find_entry(request: Request, catalogue: Catalogue, most_parts: int) -> Entry
     """The object that a request means; None for none.
 
     The whole phrase counts most, then the noun; among those that mean the same, one that needs no
-    more parts than there are, then the one nearest to the sizes that were stated, then the smallest.
+    more parts than there are, then the one nearest to the stated sizes, then the smallest.
     """
     phrase = request.phrase.lower()
     nouns = [noun.lower() for noun in request.objects[:1]]
