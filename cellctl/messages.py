@@ -104,7 +104,6 @@ class JobData(Value):
     outcome: Outcome = ""
     plan_id: str = ""
     provenance: str = ""
-    """Where the shape came from, and by whom."""
     parts_total: int = 0
     parts_placed: int = 0
     """Steps that are done; ``parts_total`` counts parts to place and to take off."""
