@@ -273,6 +273,28 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         remedy="Straighten the part at the pick station, then reset and resume.",
     ),
     FaultEntry(
+        code="not_seated",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="Nothing is felt under the part that was to be let go; it is still in the gripper.",
+        causes=(
+            "A part below it is missing, or stands lower than it should.",
+            "The workspace's frame, or the part in the gripper, is off in height.",
+        ),
+        remedy=(
+            "Look what is under the part. Reset; name what is missing with `cellctl missing`, or "
+            "correct the frame; then resume."
+        ),
+    ),
+    FaultEntry(
+        code="part_stuck",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="A part that was let go does not come off the gripper; it still stands at its cell.",
+        causes=("The part jams in the gripper.", "The latch says that it is open and is not."),
+        remedy="Free the part from the gripper, holding what it stands on; then reset and resume.",
+    ),
+    FaultEntry(
         code="gripper_holds",
         severity=Severity.HELD,
         policy=Policy.HOLD,

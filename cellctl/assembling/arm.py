@@ -70,6 +70,9 @@ class ArmState(Value):
     joints_rad: Joints
     tcp_pose: Pose
     tcp_speed_m_s: float
+    tcp_force_n: Vector
+    """What acts on the tool from outside, in the base frame: measured by an e-Series, reckoned from
+    the joints' currents by a CB3."""
     moving: bool
     program_running: bool
     safety: Literal["normal", "protective", "safeguard", "emergency", "fault"]

@@ -20,6 +20,8 @@ from cellctl.config import RobotSection
 from cellctl.errors import CellFault
 
 _ARRIVED_M = 0.0015
+_CLOSEST_M = 0.00015
+"""A short path has arrived within a tenth of its length, but never closer than this."""
 _ARRIVED_RAD = 0.002
 _STALLED_S = 0.5
 """At rest away from the target for so long: the movement has ended early."""
@@ -65,10 +67,12 @@ def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, 
     link.start_path(order.path)
     link.open_gate()
     target = order.path[-1].pose
+    length_m, _ = distance(link.sample.tcp_pose, target)
+    within_m = max(_CLOSEST_M, min(_ARRIVED_M, 0.1 * length_m))
 
     def arrived(sample: Sample) -> bool:
         apart_m, apart_rad = distance(sample.tcp_pose, target)
-        return apart_m < _ARRIVED_M and apart_rad < _ARRIVED_RAD
+        return apart_m < within_m and apart_rad < _ARRIVED_RAD
 
     yield from _arrive(link, arrived, order.planned_duration_s * timeout_factor)
 

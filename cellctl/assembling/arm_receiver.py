@@ -32,6 +32,7 @@ _VARIABLES = [
     "actual_qd",
     "actual_TCP_pose",
     "actual_TCP_speed",
+    "actual_TCP_force",
     "actual_digital_input_bits",
     "actual_digital_output_bits",
     "robot_mode",
@@ -69,6 +70,7 @@ class Sample(NamedTuple):
     """Of the fastest joint."""
     tcp_pose: Pose
     tcp_speed_m_s: float
+    tcp_force_n: Vector
     inputs: int
     outputs: int
     robot_mode: int
@@ -97,6 +99,7 @@ class Sample(NamedTuple):
             joints_rad=self.joints_rad,
             tcp_pose=self.tcp_pose,
             tcp_speed_m_s=self.tcp_speed_m_s,
+            tcp_force_n=self.tcp_force_n,
             moving=not self.at_rest,
             program_running=self.runtime_state == PLAYING,
             safety=safety,  # type: ignore[arg-type]  # one of the names above
@@ -189,6 +192,7 @@ class Receiver:
             joint_speed_rad_s=max(abs(speed) for speed in receive.getActualQd()),
             tcp_pose=_six(receive.getActualTCPPose()),
             tcp_speed_m_s=sum(v * v for v in receive.getActualTCPSpeed()[:3]) ** 0.5,
+            tcp_force_n=_six(receive.getActualTCPForce())[:3],
             inputs=receive.getActualDigitalInputBits(),
             outputs=receive.getActualDigitalOutputBits(),
             robot_mode=receive.getRobotMode(),

@@ -136,6 +136,23 @@ class RoutePlanner:
         """
         return self._taking.back(cell, frozenset(placed) - {cell}, start)
 
+    def near_seat(
+        self,
+        cell: Cell,
+        above_m: float,
+        placed: Collection[Cell],
+        start: Stance,
+        *,
+        carrying: bool,
+    ) -> Route:
+        """From a part's seat, or a millimetre off it, to a fraction of a millimetre above or below,
+        slowly.
+
+        Raises:
+            PlanError: it is farther than that, or out of reach.
+        """
+        return self._taking.near_seat(cell, above_m, placed, start, carrying=carrying)
+
     def upright(self, start: Stance, placed: Collection[Cell]) -> Route:
         """With a tilted part in the gripper straight up, until nothing that stands is as high, and
         then upright; no movement where it is upright.

@@ -38,6 +38,7 @@ _NEAR_M = 0.02
 _SLICE_M = 0.03
 """What leans is looked at in slices this high, for a whole box around it would be far too wide."""
 _BLEND_SHARE = 0.4
+_NEAR_SEAT_M = 0.008
 _UPRIGHT_RAD = math.radians(0.2)
 
 
@@ -78,6 +79,23 @@ class TakeOffRoutes:
         gripped = self._frames.place_tcp(cell)
         scene = self._checker.scene(others, carrying=True)
         return self._checked(start, [(gripped, PARTING_SPEED_M_S)], scene)
+
+    def near_seat(
+        self,
+        cell: Cell,
+        above_m: float,
+        placed: Collection[Cell],
+        start: Stance,
+        *,
+        carrying: bool,
+    ) -> Route:
+        """A fraction of a millimetre up or down; see ``RoutePlanner.near_seat``."""
+        seat = self._frames.place_tcp(cell)
+        goal = self._frames.raised(seat, self._frames.height_m(seat) + above_m)
+        if math.dist(to_pose(goal)[:3], start.tcp_pose[:3]) > _NEAR_SEAT_M:
+            raise PlanError("The arm is not at the part's seat.")
+        scene = self._checker.scene(placed, carrying=carrying)
+        return self._checked(start, [(goal, PARTING_SPEED_M_S)], scene)
 
     def upright(self, start: Stance, placed: Collection[Cell]) -> Route:
         """Up and upright; see ``RoutePlanner.upright``."""

@@ -53,6 +53,11 @@ class RobotSection(Section):
     margin_m: Annotated[float, Field(ge=0.003, le=0.1)] = 0.01
     """Least distance between anything of the arm and anything else, but where it goes straight up
     or down on the spot where it picks or places."""
+    touch_depth_m: Annotated[float, Field(ge=0.0, le=0.0015)] = 0.0007
+    """How far below its seat a part is pressed that a column carries, and how far above it the
+    gripper is felt to be free after letting go; 0 feels nothing."""
+    touch_force_n: Annotated[float, Field(gt=0.0, le=50.0)] = 6.0
+    """What must be felt there to count as touching."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
     """The controller stops the arm when it hears nothing for one period of this."""
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0

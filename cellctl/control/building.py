@@ -25,6 +25,7 @@ from cellctl.control.journal import Journal
 from cellctl.control.ledger import Ledger
 from cellctl.control.moving import ArmAndLatch
 from cellctl.control.recovery import Doubt, Evidence, moves_to, settle, unconfirmed
+from cellctl.control.touch import Touch
 from cellctl.errors import CellFault, RefusedError, UsageError
 from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
@@ -72,6 +73,7 @@ class Builder:
         self._hands = hands
         self._belt = belt
         self._journal = journal
+        self._touch = Touch(config, clock, hands)
         self.doubt: Doubt | None = None
         """What nobody can know about the part that was on its way."""
         self._open_act: tuple[int, ActKind] | None = None
@@ -341,7 +343,8 @@ class Builder:
 
         Raises:
             CellFault: of the gripper; ``gripper_silent`` when the latch has ceased to confirm its
-                part on the way, which may then lie anywhere.
+                part on the way, which may then lie anywhere; ``not_seated`` when nothing carries
+                it; ``part_stuck`` when it does not come off the gripper.
         """
         step = job.step
         assert step is not None, "letting go needs a step"
@@ -350,8 +353,11 @@ class Builder:
             raise CellFault("gripper_silent", "It has ceased to confirm the part on the way.")
         async with self._act(ActKind.RELEASE, job) as act:
             self._hands.expect_at(self._hands.routes.place_stance(step.cell))
+            if self.grip is Grip.PART:
+                await self._touch.seat(step.cell, self.standing, partial(self._travel, job=job))
             self._latch_moves(ActKind.RELEASE)
             await self._hands.open()
+            await self._touch.free(step.cell, partial(self._travel, job=job))
             act.moves = (Move.PLACE,)
         now_s = self._clock.now_s()
         began_s = self._part_began_s if self._part_began_s is not None else now_s

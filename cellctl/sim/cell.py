@@ -135,6 +135,8 @@ class EmulatedCell:
                 self.latch.clear(LatchFault(fault.effect))
             case Device.GRIPPER_BOARD:
                 self._talking_gripper().clear(fault.effect)
+            case Device.WORLD if fault.effect == "stick_to_gripper":
+                self.world.free_parts()
             case Device.WORLD:
                 self.world.straighten_parts()
         label = _label(fault, values)
@@ -204,6 +206,8 @@ class EmulatedCell:
                 self.world.remove_next_part()
             case "drop":
                 self.world.drop_held_part()
+            case "stick_to_gripper":
+                self.world.parts_stick = True
             case "take_placed":
                 self.world.take_placed_part(Cell(values["x"], values["y"], values["z"]))
 

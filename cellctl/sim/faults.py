@@ -442,6 +442,12 @@ _WORLD = (
         once=True,
         remedy="Tell the cell that it is missing.",
     ),
+    Fault(
+        "part_sticks",
+        Device.WORLD,
+        "stick_to_gripper",
+        "Parts that are let go at a cell stick to the gripper, whose latch is open.",
+    ),
 )
 
 _ALL = (*_ROBOT, *_CONVEYOR, *_CONVEYOR_BOARD, *_GRIPPER, *_GRIPPER_BOARD, *_WORLD)

@@ -22,6 +22,10 @@ class Plant(Protocol):
         """
         ...
 
+    def tcp_force_n(self) -> Floats:
+        """What acts on the tool from outside, (3,) in the base frame, in N."""
+        ...
+
     def outputs_changed(self, bits: int) -> None:
         """The controller's digital outputs: bits 0-7 standard, 8-15 configurable, 16-17 tool."""
         ...

@@ -59,6 +59,9 @@ class CellPlant:
     def robot_moved(self, flange: Floats, joints_rad: Floats, dt_s: float) -> None:
         self._world.robot_moved(flange, joints_rad, dt_s)
 
+    def tcp_force_n(self) -> Floats:
+        return self._world.tcp_force_n()
+
     def outputs_changed(self, bits: int) -> None:
         self._commanded = bool(bits >> self._gripper.command_output & 1)
         self._tell()

@@ -32,6 +32,7 @@ from cellctl.sim.world_geometry import (
 )
 from cellctl.sim.world_grip import fits, judge_release
 from cellctl.sim.world_support import adrift
+from cellctl.sim.world_touch import holding_back_n, pressing_n
 from cellctl.sim.world_values import (
     Imperfections,
     PartTruth,
@@ -94,7 +95,10 @@ class World:
         self._bond: tuple[int, Floats] | None = None
         """The part that sticks to the held one, and the TCP where that was picked."""
         self._gripped: tuple[Cell, Floats] | None = None
-        """The placed part in the closed latch that has not come off yet, and the TCP then."""
+        """The placed part in the closed latch that has not come off yet, and the TCP then, on its
+        seat."""
+        self.parts_stick = False
+        """Parts that are let go at a cell stick to the gripper."""
         self.refill_belt()
 
     # ---- time and the belt ----
@@ -152,6 +156,30 @@ class World:
             )
         self._ongoing = contacts
 
+    def _grip(self, cell: Cell) -> None:
+        assert self._tcp is not None, "the arm is somewhere"
+        seated = self._tcp.copy()
+        seated[2, 3] = (cell.z + 1) * self._pitch_m
+        self._gripped = (cell, seated)
+
+    def tcp_force_n(self) -> Floats:
+        """What acts on the tool from outside, (3,) in the base frame, in N. Part and gripper do not
+        count: the robot knows what it carries."""
+        return np.asarray(self._from_base[2, :3] * self._upward_force_n())
+
+    def _upward_force_n(self) -> float:
+        if self._tcp is None:
+            return 0.0
+        if self._gripped is not None:
+            cell, seated = self._gripped
+            below = cell.below() in self._placed if cell.z else self._material.floor_magnet > 0.0
+            magnet_n = self.config.stability.magnet_force_n if below else 0.0
+            lifted_m = float(self._tcp[2, 3] - seated[2, 3])
+            return -holding_back_n(lifted_m, magnet_n, PARTING_M)
+        if self._held is None:
+            return 0.0
+        return pressing_n(self._tcp, self._placed.keys(), self._from_feeder, self._pitch_m)
+
     @property
     def tcp_pose(self) -> Floats | None:
         """4x4 pose of the TCP in the workspace frame; None before the arm told where it is."""
@@ -178,7 +206,7 @@ class World:
         in_place = [(cell, to_tcp @ self._cell_top(cell)) for cell in self._placed]
         for cell, error in in_place:
             if fits(error):
-                self._gripped = (cell, self._tcp.copy())
+                self._grip(cell)
                 return
         # Closing far from every part, as when the controller boots, is no attempt to pick.
         station = to_tcp @ self._from_feeder
@@ -204,6 +232,8 @@ class World:
             )
             if wrong is None:
                 self._placed[cell] = part
+                if self.parts_stick:
+                    self._grip(cell)
                 self._drop_what_cannot_hold(cell)
             else:
                 self._fallen.append(part)
@@ -274,6 +304,11 @@ class World:
         """Make the first part on the belt stick to the one behind it."""
         if self._row.parts:
             self._row.parts[0].sticky = True
+
+    def free_parts(self) -> None:
+        """Parts no longer stick to the gripper, and none that sticks is held any more."""
+        self.parts_stick = False
+        self._gripped = None
 
     def remove_next_part(self) -> None:
         """Take the first part off the belt, into the stock; its place stays empty."""

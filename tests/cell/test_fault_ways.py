@@ -195,3 +195,31 @@ def test_the_inventory_rules_out_what_the_arm_has_done(idle: RunningCell) -> Non
     idle.client.request(right)
     reset_and_resume(idle)
     finish_as_planned(idle)
+
+
+def test_nothing_is_under_the_part_that_is_to_be_let_go(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    (below,) = idle.truth().built
+    idle.wait_mid_place()
+    idle.world.inject("part_taken", x=below.x, y=below.y, z=below.z)
+    expect_fault(idle, "not_seated")
+    assert idle.client.snapshot().gripper.holding == "part"
+    assert idle.truth().violations[idle.held_before :] == ()
+    reset(idle)
+    idle.client.request(MissingCommand(cells=(below,)))
+    idle.client.command("resume")
+    finish_as_planned(idle, taken=1)
+
+
+def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    idle.wait_mid_place()
+    idle.world.inject("part_sticks")
+    expect_fault(idle, "part_stuck")
+    assert len(idle.truth().built) == 2
+    assert idle.truth().violations[idle.held_before :] == ()
+    idle.world.clear("part_sticks")  # a person frees it
+    reset_and_resume(idle)
+    finish_as_planned(idle)

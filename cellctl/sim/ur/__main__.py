@@ -22,6 +22,8 @@ import sys
 from dataclasses import fields
 from typing import get_args, get_type_hints
 
+import numpy as np
+
 from cellctl.errors import CellctlError, ExitStatus, UsageError
 from cellctl.sim.plant import Floats
 from cellctl.sim.ur.controller import UrController
@@ -42,6 +44,9 @@ class EmptyPlant:
 
     def robot_moved(self, flange: Floats, joints_rad: Floats, dt_s: float) -> None:  # noqa: ARG002
         self.moved_s += dt_s
+
+    def tcp_force_n(self) -> Floats:
+        return np.zeros(3)
 
     def outputs_changed(self, bits: int) -> None:
         self.outputs = bits

@@ -16,6 +16,9 @@ Six = tuple[float, float, float, float, float, float]
 """Joint values (rad, rad/s ...), or a pose: metres, then a rotation vector in radians."""
 
 TOOL_VOLTAGES_V = (0, 12, 24)
+FORCE_NOISE_N = {"ur10e": 1.0, "ur10": 4.0}
+"""Assumed standard deviation of each component of the force at the TCP: an e-Series has a sensor, a
+CB3 reckons from the joints' currents."""
 _TURN = 2.0 * math.pi
 _SLOW_RAD_S = math.radians(120.0)
 _FAST_RAD_S = math.radians(180.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -12,7 +13,7 @@ from cellctl.sim.plant import Plant
 from cellctl.sim.ur.arm import Arm
 from cellctl.sim.ur.lines import Lines
 from cellctl.sim.ur.machine import ProgramError
-from cellctl.sim.ur.options import Six, UrOptions, Vector
+from cellctl.sim.ur.options import FORCE_NOISE_N, Six, UrOptions, Vector
 from cellctl.sim.ur.program import ControlProgram
 from cellctl.sim.ur.registers import Registers, input_register
 from cellctl.sim.ur.rtde import InputValue
@@ -74,6 +75,8 @@ class Robot:
         self.registers.tool_output_voltage = options.tool_voltage_v
         self.program_name = ""
         self._plant = plant
+        self._noise = random.Random(1)  # noqa: S311 - repeatable chance
+        self._noise_n = FORCE_NOISE_N[options.model]
         self._program: ControlProgram | None = None
         self._powering_down = False
         self.show()
@@ -316,6 +319,12 @@ class Robot:
         registers.target_qdd = arm.acceleration_rad_s2
         registers.actual_TCP_pose = registers.target_TCP_pose = arm.tcp_pose
         registers.actual_TCP_speed = registers.target_TCP_speed = arm.tcp_twist
+        x_n, y_n, z_n = (
+            force_n + self._noise.gauss(0.0, self._noise_n)
+            for force_n in self._plant.tcp_force_n().tolist()
+        )
+        registers.actual_TCP_force = (x_n, y_n, z_n, 0.0, 0.0, 0.0)
+        registers.tcp_force_scalar = math.hypot(x_n, y_n, z_n)
         registers.tcp_offset = arm.tcp_offset
         registers.speed_scaling = arm.rate
         registers.target_speed_fraction = arm.slider

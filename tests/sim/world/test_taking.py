@@ -80,3 +80,32 @@ def test_whoever_takes_away_what_is_gripped_leaves_an_empty_latch() -> None:
     hand.go(0.25, 0.25, 0.8)
     assert hand.world.held_part is None
     assert hand.world.built == {Cell(2, 2, 0)}
+
+
+def test_what_is_pressed_on_its_seat_is_felt() -> None:
+    hand = gripping()
+    hand.open()
+    hand.pick()
+    for cell, felt in ((Cell(2, 2, 2), True), (Cell(4, 2, 2), False)):
+        hand.carry(*cell, off_m=(0.0, 0.0, 0.0005))
+        assert hand.world.tcp_force_n()[2] == 0.0
+        hand.carry(*cell, off_m=(0.0, 0.0, -0.0007))
+        assert bool(hand.world.tcp_force_n()[2] > 10.0) is felt
+        hand.over(0.25, 0.25, 0.8)
+    assert hand.kinds() == []
+
+
+def test_a_part_that_sticks_is_felt_before_it_comes_off() -> None:
+    hand = gripping()
+    hand.open()
+    hand.pick()
+    hand.carry(2, 2, 2)
+    hand.world.parts_stick = True
+    hand.open()
+    hand.go(0.25, 0.25, 0.3007)
+    assert hand.world.tcp_force_n()[2] < -10.0
+    assert Cell(2, 2, 2) in hand.world.built
+    hand.world.free_parts()
+    hand.go(0.25, 0.25, 0.8)
+    assert Cell(2, 2, 2) in hand.world.built
+    assert hand.kinds() == []
