@@ -18,7 +18,7 @@ from cellctl.sim.spawn import emulated_cell
 from tests.cell.harness import cell_config
 from tests.leaks import REPOSITORY
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.wire, pytest.mark.timeout(300)]
 
 SPEED = 3.0
 """Slow enough that the belt is still under way when it has missed its host for long enough."""
@@ -51,25 +51,21 @@ def suites(path: Path, answer: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_the_suites_pass_on_an_emulated_cell_with_an_operator_who_says_yes() -> None:
-    with cell() as (world, path):
-        done = suites(path, "yes")
-        truth = world.truth()
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "skipped" not in done.stdout.splitlines()[-1], done.stdout
-    assert done.stdout.count("[yes/no]") == MOVING + 1
-    assert [list(placed) for placed in truth.built], "no part was placed"
-    assert not truth.violations
-
-
-def test_nothing_moves_without_an_operator_who_says_yes() -> None:
+def test_the_suites_move_nothing_unasked_and_pass_on_an_emulated_cell() -> None:
     with cell() as (world, path):
         before = world.truth()
-        done = suites(path, "no")
+        refused = suites(path, "no")
+        between = world.truth()
+        allowed = suites(path, "yes")
         after = world.truth()
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert f"{MOVING} skipped" in done.stdout.splitlines()[-1], done.stdout
-    assert after.conveyor["motions"] == 0
-    assert after.latch == before.latch
-    assert after.robot["outputs"] == before.robot["outputs"]
-    assert after.parts == before.parts
+    assert refused.returncode == 0, refused.stdout + refused.stderr
+    assert f"{MOVING} skipped" in refused.stdout.splitlines()[-1], refused.stdout
+    assert between.conveyor["motions"] == 0
+    assert between.latch == before.latch
+    assert between.robot["outputs"] == before.robot["outputs"]
+    assert between.parts == before.parts
+    assert allowed.returncode == 0, allowed.stdout + allowed.stderr
+    assert "skipped" not in allowed.stdout.splitlines()[-1], allowed.stdout
+    assert allowed.stdout.count("[yes/no]") == MOVING + 1
+    assert len(after.built) == 1, "no part was placed"
+    assert not after.violations
