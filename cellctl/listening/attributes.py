@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from cellctl.listening.lexicon import LEXICON, singular
-from cellctl.listening.numbers import DIGITS, read_number
+from cellctl.listening.numbers import read_number
 
 Attributes = dict[str, int | str | bool]
 
@@ -55,8 +55,9 @@ def read_glyph(words: Sequence[str]) -> str | None:
             continue
         if len(name) == 1 and name.isalnum():
             return name.upper()
-        if name in DIGITS:
-            return str(DIGITS.index(name))
+        number = read_number(words, index + 1)
+        if number is not None and number[0] == int(number[0]) and number[0] < 1000:
+            return str(int(number[0]))
     return None
 
 

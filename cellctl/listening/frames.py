@@ -28,6 +28,7 @@ _GET = r"(?:get|give|bring|fetch|hand|lend|show|grant)"
 _POLITE = (
     r"(?:can|could|would|will|won't|can't|couldn't) you(?: please)?(?: just| maybe| possibly)?"
 )
+_NICE = "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing)"
 _LEADS = re.compile(
     r"(?:(?:i think|i guess|i suppose|i mean|you know|now|then|and|so|but|next|first|also|today|"
     r"this time|for now|alright|all right|yeah|yes|great|cool|listen|look|"
@@ -37,7 +38,8 @@ _LEADS = re.compile(
     r"i'm (?:hoping|wondering|thinking)(?: of| about| if| whether| that)?|"
     r"i wonder (?:if|whether)|i hope|"
     r"i (?:would|'d) (?:be happy|be glad|appreciate it|love it) if|i'd (?:be happy|be glad|"
-    r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if|"
+    r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if"
+    r"(?= i\b| we\b)|"
     r"do you think|(?:would|is) it (?:be )?possible(?: for you)?(?= to\b)|"
     r"is there (?:any|a) way(?: you could|"
     r"(?= to\b))|are you able(?= to\b)|do you mind|go ahead and|try (?:to|and)|start by|"
@@ -92,7 +94,18 @@ _FRAMES = _frames(
         r"(?: getting| having)?",
     ),
     ("having", r"(?:it would|it'd) be (?:great|nice|lovely|good|cool|awesome) to (?:have|get|see)"),
+    ("making", rf"(?:how|what) about {_MAKING}{_FOR_ME}"),
     ("having", r"(?:how|what) about"),
+    (
+        "making",
+        rf"(?:it would|it'd) be {_NICE} if you (?:could |would )?(?:made|built|created|{_MAKE})"
+        rf"{_FOR_ME}",
+    ),
+    ("having", rf"{_WHO} (?:have|has|'ve) (?:always |been )?(?:wanted|wanting|needing)"),
+    ("having", r"(?:i've|we've) (?:always |been )?(?:wanted|wanting|needing|dreaming of)"),
+    ("having", rf"{_WHO} (?:am|are|is) (?:begging|asking|longing|hoping|wishing|missing)(?: for)?"),
+    ("having", r"(?:we're|i'm) (?:begging for|asking for|longing for|missing)"),
+    ("having", r"(?:let's |let us )?(?:start|begin) with(?= an? | the )"),
     ("having", r"(?:i am|i'm) (?:in need of|in the mood for|craving|dying for)"),
     ("having", r"(?:i|we) (?:will|'ll) (?:have|take|go (?:with|for))(?= an? )"),
     ("having", r"show (?:me|us)(?= an? )"),
@@ -111,14 +124,18 @@ _RETELLS = re.compile(
     r"(?:'m|'re|'s|'ve|'d|'ll)? (?!want|need|like|love|would|'d|could|wish|demand|prefer|fancy|"
     r"feel)\w+"
 )
+_NICE_TO_HAVE = re.compile(
+    rf"(?P<wish>(?:an?|some|two|three) .+) would be (?:so |really |very )?{_NICE}(?: .+)?"
+)
+_ONE_OF = re.compile(r"^(?:like an? |one of (?:those|these|the|your) )")
 _PICTURE = re.compile(
     r"(?:an?|the) (?:\w+ ){0,4}(?:photo|photograph|picture|image|render|rendering|drawing|sketch|"
     r"painting) of(?= )"
 )
 """Who knows generators of pictures asks for "a photo of a red chair"; the chair is wanted."""
 _LIKENESS = re.compile(
-    r"(?:something|anything|an? (?:\w+ )?(?:thing|object|shape|structure|model|one)) "
-    r"(?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
+    r"(?:something(?: \w+)?|whatever|anything|an? (?:\w+ )?(?:thing|object|shape|structure|model|"
+    r"one)) (?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
     r"resembling|in the (?:shape|form) of)(?= (?:an?|the|my|some) )"
 )
 
@@ -168,6 +185,9 @@ def find_frame(words: tuple[str, ...]) -> Frame:
             kind, text = name, text[match.end() :].strip()
             of_speaker = match[0].endswith("make me")
             break
+    if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
+        kind, text = "having", match["wish"]
+    text = _ONE_OF.sub("a ", text)
     for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
         if match := inner.match(text):
             text = text[match.end() :].strip()

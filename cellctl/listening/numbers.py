@@ -19,7 +19,9 @@ _FRACTIONS = {"half": 0.5, "quarter": 0.25}
 _FIGURE = re.compile(r"\d{1,6}(\.\d{1,4})?")
 
 
-def read_number(words: Sequence[str], start: int) -> tuple[float, int] | None:
+def read_number(  # noqa: PLR0911 - one way out a kind of number
+    words: Sequence[str], start: int
+) -> tuple[float, int] | None:
     """Read the longest number that starts at ``words[start]``.
 
     Returns:
@@ -32,6 +34,8 @@ def read_number(words: Sequence[str], start: int) -> tuple[float, int] | None:
         end = start + 1
         if end < len(words) and words[end] in ("a", "an"):
             end += 1
+        if words[end : end + 1] in (["dozen"], ("dozen",)):
+            return 12 * _FRACTIONS[word], end + 1
         return _FRACTIONS[word], end
     if word == "dozen":
         return 12.0, start + 1

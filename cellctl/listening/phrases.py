@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
-from cellctl.listening.understanding.judging import acts_at, is_participle
+from cellctl.listening.understanding.judging import acts_at, is_participle, judge
 
 _REPAIR_MARK = (
     r"(?:(?:no|actually) make (?:it|that)|no wait|wait no|no sorry|sorry i mean|sorry|i mean|no|"
@@ -23,6 +23,7 @@ _TRAILING = frozenset(
      "first", "next", "soon", "immediately", "robot", "ok", "okay"}
 )  # fmt: skip
 _GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+_PAIRED = LEXICON.colours | LEXICON.comparatives
 _AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without", "that"})
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
 """Words that only lead to a size, and go with it."""
@@ -79,13 +80,17 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
     end = start
     stops = LEXICON.enders | LEXICON.finite
     while end < len(kept) and (kept[end] not in stops or _is_noun_here(kept, start, end)):
-        if end > start and read_number(kept, end) is not None and kept[end - 1] not in _GLYPHS:
+        if (
+            end > start
+            and read_number(kept, end) is not None
+            and not set(kept[start:end]) & _GLYPHS
+        ):
             break
         if end > start and (is_participle(kept, end) or kept[end : end + 2] == ["full", "of"]):
             break
         end += 1
     core = kept[start:end]
-    if core and not core[-1].isalpha() and not (len(core) > 1 and core[0] in _GLYPHS):
+    if core and not core[-1].isalpha() and not (len(core) > 1 and core[-2] in _GLYPHS):
         return None
     if not core:
         return None
@@ -107,6 +112,8 @@ def _is_noun_here(words: Sequence[str], start: int, index: int) -> bool:
     """A ``plus sign`` and a ``trash can`` have words that elsewhere end a phrase."""
     if words[index] == "plus":
         return index == start
+    if words[index] == "and" and index > start:  # "a red and blue box"
+        return {words[index - 1], *words[index + 1 : index + 2]} <= _PAIRED
     following = words[index + 1 : index + 2]
     return words[index] == "can" and index > start and (not following or following[0] in _AFTER_CAN)
 
@@ -135,7 +142,11 @@ def _determiner(words: Sequence[str]) -> tuple[int, int, str]:
     value, end = number
     following = words[end] if end < len(words) else ""
     counts_part = singular(following) in LEXICON.parts and end + 1 < len(words)
-    adjective = following.endswith("ed") or following in ("seater", "sided", "person", "story")
+    # "a three seat sofa" is one.
+    adjective = determiner in ("a", "an") and value > 1
+    adjective = (
+        adjective or following.endswith("ed") or following in ("seater", "sided", "person", "story")
+    )
     if counts_part or adjective or end >= len(words) or words[end] in LEXICON.enders:
         return (
             1,
@@ -171,7 +182,9 @@ def _head(core: list[str], rest: Sequence[str]) -> tuple[str, list[str]]:
         )
         inner = after[: acts_at(after[:stop]) or stop]
         if inner:
-            named = singular(inner[-1]) if head in LEXICON.of_nouns else head
+            noun = singular(inner[-1])
+            # "a model of a lighthouse" is about the lighthouse; "a bust of beethoven" is a bust.
+            named = noun if head in LEXICON.of_nouns and judge(inner, noun).physical else head
             return named, ["of", *inner, *_with(after[stop:])]
     return head, _with(rest)
 
