@@ -16,6 +16,7 @@ from cellctl.assembly import BuildPlan
 from cellctl.cli.plan_report import PlanReport
 from cellctl.config import CellConfig, load_config
 from tests.cell.harness import CONFIG, running_cell
+from tests.firmware.loop.bench import compile_programs
 
 TIMEOUT_S = 110.0
 
@@ -218,3 +219,16 @@ def test_say_shows_the_question_and_yes_and_no_answer_it(tmp_path: Path) -> None
             assert refused.returncode == 2
             assert "one sentence" in refused.stderr
             assert "Traceback" not in refused.stderr
+
+
+@pytest.mark.parametrize("command", [("sim",), ("demo", "--say", "a stool")])
+def test_compiled_boards_that_cannot_run_are_refused_at_once(
+    command: tuple[str, ...], tmp_path: Path
+) -> None:
+    missing = cellctl(*command, "--firmware", "elf", "--firmware-folder", str(tmp_path))
+    assert missing.returncode == 2
+    assert "make firmware" in missing.stderr
+    compile_programs()
+    fast = cellctl(*command, "--firmware", "elf", "--speed", "10")
+    assert fast.returncode == 2
+    assert "--firmware plain" in fast.stderr

@@ -12,6 +12,8 @@ from typing import Any
 
 from cellctl.config import CellConfig, load_config
 from cellctl.feeding.conveyor import Conveyor
+from cellctl.sim.avr.conveyor import FirmwareConveyor
+from cellctl.sim.boards import ConveyorBoard
 from cellctl.sim.conveyor import ConveyorEmulator
 from tests.feeding.paced_clock import PacedClock
 
@@ -31,6 +33,7 @@ class PartsOnBelt:
         """How far each part has still to go to the pick station."""
         self.travel_m = 0.0
         """Net travel, forward less backward."""
+        self._pitch_m = pitch_m
 
     def belt_move(self, distance_m: float) -> None:
         self.travel_m += distance_m
@@ -44,6 +47,21 @@ class PartsOnBelt:
         self.ahead_m.remove(next(ahead for ahead in self.ahead_m if abs(ahead) < SENSOR_M))
 
 
+class PartsAtStop(PartsOnBelt):
+    """A belt with an end stop: it slips under the part that waits there, and the others queue up.
+
+    A compiled board presses each part against it, so what counts is how far the last one has come.
+    """
+
+    def belt_move(self, distance_m: float) -> None:
+        nearest_m, moved_m = 0.0, distance_m
+        for number, ahead_m in enumerate(self.ahead_m):
+            self.ahead_m[number] = max(ahead_m - distance_m, nearest_m)
+            nearest_m = self.ahead_m[number] + self._pitch_m
+            moved_m = ahead_m - self.ahead_m[number]
+        self.travel_m += moved_m
+
+
 @dataclass
 class Bench:
     """All that a test of the belt works with."""
@@ -51,7 +69,7 @@ class Bench:
     config: CellConfig
     clock: PacedClock
     world: PartsOnBelt
-    emulator: ConveyorEmulator
+    emulator: ConveyorBoard
     conveyor: Conveyor
 
     async def until(self, holds: Callable[[], bool]) -> None:
@@ -63,6 +81,11 @@ class Bench:
     async def indexing_at(self, distance_m: float) -> None:
         """Wait until the belt has gone this far."""
         await self.until(lambda: self.world.travel_m >= distance_m)
+
+    async def take(self) -> None:
+        """The arm takes the part at the pick station, which a sensor needs a moment to see."""
+        self.world.take()
+        await self.clock.sleep(0.05)
 
     async def at_rest(self) -> None:
         """Wait until the belt stands still."""
@@ -78,13 +101,25 @@ def cell_config(port: Path, pitch_m: float = PITCH_M, **feeder: Any) -> CellConf
 
 
 @asynccontextmanager
-async def bench(parts: int = 5, pitch_m: float = PITCH_M, **feeder: Any) -> AsyncIterator[Bench]:
-    """Everything running; taken apart again at the end."""
+async def bench(
+    parts: int = 5, pitch_m: float = PITCH_M, kind: str = "plain", **feeder: Any
+) -> AsyncIterator[Bench]:
+    """Everything running; taken apart again at the end.
+
+    Args:
+        parts: how many lie on the belt.
+        pitch_m: from part to part.
+        kind: plain or elf: what the board is.
+        feeder: settings to change.
+    """
     with tempfile.TemporaryDirectory() as folder:
         config = cell_config(Path(folder) / "cell" / "conveyor", pitch_m, **feeder)
         clock = PacedClock()
-        world = PartsOnBelt(parts, pitch_m)
-        emulator = ConveyorEmulator(world, config)
+        compiled = kind == "elf"
+        world = (PartsAtStop if compiled else PartsOnBelt)(parts, pitch_m)
+        emulator: ConveyorBoard = (
+            FirmwareConveyor(world, config) if compiled else ConveyorEmulator(world, config)
+        )
         emulator.start()
         running = asyncio.create_task(_advance(emulator, clock))
         conveyor = Conveyor(config.feeder, config.voxel.pitch_m, clock)
@@ -99,7 +134,7 @@ async def bench(parts: int = 5, pitch_m: float = PITCH_M, **feeder: Any) -> Asyn
         assert not (Path(folder) / "cell").exists(), "the emulator left its port behind"
 
 
-async def _advance(emulator: ConveyorEmulator, clock: PacedClock) -> None:
+async def _advance(emulator: ConveyorBoard, clock: PacedClock) -> None:
     while True:
         await asyncio.sleep(0.001)
         emulator.advance(TICK_S)

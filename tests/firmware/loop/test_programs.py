@@ -22,12 +22,11 @@ from cellctl.boards.constants import (
 from cellctl.boards.line import Banner
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
-from cellctl.sim.avr.gripper import FirmwareGripper
-from cellctl.sim.avr.simulator import BoardCrashedError, Memory, PinChange, Simulator
+from cellctl.sim.avr.simulator import BoardCrashedError, PinChange, Simulator
 from cellctl.sim.boards import FIRMWARE_RATE_MAX, check_boards
 from cellctl.sim.world_values import Imperfections, Where
 from tests.firmware.image import toolchain
-from tests.firmware.loop.bench import STEP_S, Bench, conveyor, gripper
+from tests.firmware.loop.bench import STEP_S, conveyor, gripper
 from tests.sim.world.hand import emulated_config
 
 LATCH_TOLD = {"PA1": "L", "PA7": "Z"}
@@ -105,31 +104,6 @@ def test_a_hang_ends_by_the_watchdog_with_the_part_kept_and_the_host_told(
         resets = bench.host.ask(1, Command.READ, Register.WATCHDOG_RESETS).status
         assert resets is not None
         assert resets.value == 1
-
-
-def exercised(bench: Bench) -> Memory:
-    """The memory of a gripper's program after it has done all that it can."""
-    assert isinstance(bench.gripper, FirmwareGripper)
-    bench.host.identify()
-    bench.hand.pick()
-    for sequence, register in enumerate(Register, 1):
-        bench.host.ask(sequence, Command.READ, register)
-    bench.host.ask(20, Command.TRAVEL, TRAVEL_MS)
-    while bench.host.ask(21, Command.KEEP).kind is ReplyKind.BUSY:
-        pass
-    bench.host.ask(22, Command.SELF_TEST)
-    bench.hand.open()
-    return bench.gripper.simulator.memory()
-
-
-def test_the_stack_s_deepest_point_leaves_room_and_is_what_the_program_says() -> None:
-    with gripper("elf") as bench:
-        memory = exercised(bench)
-        assert memory.size == 256
-        assert memory.static + memory.stack <= 200, memory
-        left = bench.host.ask(23, Command.READ, Register.STACK_LEFT).status
-        assert left is not None
-        assert left.value == pytest.approx(memory.size - memory.static - memory.stack, abs=2)
 
 
 def index_and_measure(indexes: int, seed: int) -> tuple[int, float]:
