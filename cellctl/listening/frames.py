@@ -110,7 +110,7 @@ _FRAMES = _frames(
     ("having", r"(?:i|we) (?:will|'ll) (?:have|take|go (?:with|for))(?= an? )"),
     ("having", r"show (?:me|us)(?= an? )"),
     ("having", r"(?:get|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
-    ("having", r"(?:get|give|bring)(?= an? | two| three| four| some )"),
+    ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
     ("making", rf"{_MAKES}"),
 )  # fmt: skip
 _QUESTION_FRAMES = re.compile(

@@ -91,11 +91,31 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
             return no(why)
         if frame.kind == "having" and len(phrase.core) > 1 and phrase.core[0] in _LENT:
             return no("it is a favour")
+        new = frame.kind == "having" and phrase.core[0] == "new"
+        if new and head not in LEXICON.families:
+            return no(f"a new {head} is bought, not built")
+    elif why := _idiom(phrase, judgement):
+        return no(why)
     if phrase.determiner in _SOMEBODYS:
         return no("it is about something that exists already")
     if not phrase.determiner and (why := _no_article(phrase, frame, judgement)):
         return no(why, abstract=judgement.physical is None)
     return Verdict(True, judgement, judgement.why)
+
+
+def _idiom(phrase: NounPhrase, judgement: Judgement) -> str:
+    """Why what is to be "made" is none the less no object."""
+    if phrase.core in (("face",), ("fist",), ("bed",)) and (
+        phrase.determiner in ("the", "your") or phrase.core != ("bed",)
+    ):
+        return "it is said of something else than building"
+    if phrase.rest[:1] == ("against",):
+        return "nothing is built against somebody"
+    if phrase.rest[:2] in (("of", "this"), ("of", "that"), ("of", "these")):
+        return "it points at something that is there"
+    if phrase.determiner == "some" and judgement.kind in "ds":
+        return f"some {phrase.objects[0]} is eaten or used up, not built"
+    return ""
 
 
 def _no_phrase(phrase: NounPhrase) -> str:
