@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from cellctl.cli.replies import state_words
 from cellctl.client import CellClient
 from cellctl.errors import CellctlError, ExitStatus
 from cellctl.messages import (
@@ -84,11 +85,11 @@ class Follower:
     def _state(self, data: StateData) -> None:
         top = data.state.split("_", maxsplit=1)[0]
         if top in _BUSY:
-            self._progress.update(self._bar, description=data.state.replace("_", ": "))
+            self._progress.update(self._bar, description=state_words(data.state))
             if self._said in _BUSY:
                 return
         self._said = top
-        self._console.print(f"[cyan]{data.state.replace('_', ': '):<26}[/] {data.sentence}")
+        self._console.print(f"[cyan]{state_words(data.state):<26}[/] {data.sentence}")
 
     def _speech(self, data: SpeechData) -> None:
         if data.request is None:

@@ -11,6 +11,7 @@ import typer
 
 from cellctl.assembly import Cell, Role
 from cellctl.cli.options import ConfigOption, KeyOption, client
+from cellctl.cli.replies import show_reply
 from cellctl.messages import HandCommand
 
 PATIENCE_S = 130.0
@@ -97,4 +98,4 @@ def order(command: HandCommand, config: Path | None, key: Path | None) -> None:
     """Have the cell carry a movement out, and tell what it did."""
     with client(config, Role.OPERATOR, key) as cell:
         reply = cell.request(command, timeout_s=PATIENCE_S)
-        typer.echo(f"{reply.message} [{reply.state}]")
+        show_reply(reply)

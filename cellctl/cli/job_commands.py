@@ -11,6 +11,7 @@ import typer
 from cellctl.assembly import Role
 from cellctl.cli.following import await_question, follow_job
 from cellctl.cli.options import ConfigOption, KeyOption, RoleOption, client
+from cellctl.cli.replies import show_reply
 from cellctl.client import CellClient
 from cellctl.errors import ExitStatus, UsageError
 from cellctl.messages import ControlReply
@@ -66,7 +67,7 @@ def register(app: typer.Typer) -> None:
             else:
                 assert text is not None
                 reply = cell.say(text)
-            _tell(reply)
+            show_reply(reply)
             raise typer.Exit(int(_see(cell, reply, wait)))
 
     @app.command()
@@ -81,7 +82,7 @@ def register(app: typer.Typer) -> None:
         with client(config, role, key) as cell:
             cell.subscribe()
             reply = cell.build(file.name, read_file(file))
-            _tell(reply)
+            show_reply(reply)
             raise typer.Exit(int(_see(cell, reply, wait)))
 
     @app.command()
@@ -90,7 +91,7 @@ def register(app: typer.Typer) -> None:
     ) -> None:
         """Answer "Shall I build it?" with yes."""
         with client(config, role, key) as cell:
-            _tell(cell.confirm(True))
+            show_reply(cell.confirm(True))
 
     @app.command()
     def no(
@@ -98,7 +99,7 @@ def register(app: typer.Typer) -> None:
     ) -> None:
         """Answer "Shall I build it?" with no."""
         with client(config, role, key) as cell:
-            _tell(cell.confirm(False))
+            show_reply(cell.confirm(False))
 
     @app.command()
     def take_apart(
@@ -111,7 +112,7 @@ def register(app: typer.Typer) -> None:
         with client(config, role, key) as cell:
             cell.subscribe()
             reply = cell.command("take_apart")
-            _tell(reply)
+            show_reply(reply)
             raise typer.Exit(int(_see(cell, reply, wait)))
 
     for name, text in _PLAIN.items():
@@ -123,7 +124,7 @@ def _plain(name: str) -> Callable[..., None]:
         config: ConfigOption = None, role: RoleOption = Role.OPERATOR, key: KeyOption = None
     ) -> None:
         with client(config, role, key) as cell:
-            _tell(cell.command(name))
+            show_reply(cell.command(name))
 
     return command
 
@@ -135,7 +136,3 @@ def _see(cell: CellClient, reply: ControlReply, wait: bool) -> ExitStatus:
     if reply.state.partition("_")[0] in {"listening", "generating", "validating"}:
         return await_question(cell, reply.job_id)
     return ExitStatus.DONE
-
-
-def _tell(reply: ControlReply) -> None:
-    typer.echo(f"{reply.message} [{reply.state}]")

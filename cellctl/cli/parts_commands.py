@@ -10,6 +10,7 @@ import typer
 from cellctl.assembly import Cell, Role
 from cellctl.cli.inventory_view import show_inventory
 from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, RoleOption, client
+from cellctl.cli.replies import show_reply
 from cellctl.errors import UsageError
 from cellctl.messages import (
     Command,
@@ -48,7 +49,7 @@ def register(app: typer.Typer) -> None:
         """Tell that somebody takes the finished object along."""
         with client(config, role, key) as cell:
             reply = cell.command("hand_over")
-        typer.echo(f"{reply.message} [{reply.state}]")
+        show_reply(reply)
 
     @app.command()
     def recover(
@@ -107,12 +108,15 @@ def register(app: typer.Typer) -> None:
 
     @group.command()
     def own(
-        parts: Annotated[int, typer.Argument(min=1, max=1000, help="All parts of the cell.")],
+        parts: Annotated[
+            int,
+            typer.Argument(min=1, max=1000, help="How many there are in all, wherever they are."),
+        ],
         note: NoteOption = "",
         config: ConfigOption = None,
         key: KeyOption = None,
     ) -> None:
-        """Tell how many parts the cell owns, after some were bought or sold."""
+        """Tell how many parts there are in all, after some were bought or given away."""
         tell(OwnCommand(parts=parts, note=note), config, key)
 
 
@@ -120,7 +124,7 @@ def tell(command: Command, config: Path | None, key: Path | None) -> None:
     """Have the cell write something down, and say what it believes then."""
     with client(config, Role.OPERATOR, key) as cell:
         reply = cell.request(command)
-        typer.echo(f"{reply.message} [{reply.state}]")
+        show_reply(reply)
 
 
 def _cell(text: str) -> Cell:

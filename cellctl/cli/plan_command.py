@@ -176,7 +176,11 @@ def register(app: typer.Typer) -> None:
             typer.Option("--budget-s", help="How long it may be improved, in seconds."),
         ] = None,
         policy: Annotated[
-            PlanPolicy | None, typer.Option("--policy", help="By whose rules to plan.")
+            PlanPolicy | None,
+            typer.Option(
+                "--policy",
+                help="By whose rules to plan: cellctl's own, or the Speech-to-Reality paper's.",
+            ),
         ] = None,
         standing: Annotated[
             Path | None,
@@ -234,6 +238,12 @@ def register(app: typer.Typer) -> None:
         outputs.write_report(report)
         if screen is not None:
             show_report(screen, report, settings.grid)
+            if made.policy != settings.planning.policy:
+                screen.print(
+                    f"planning.policy is {settings.planning.policy!r}, which knows no taking apart "
+                    f"and no changing over: these steps follow the policy {made.policy!r}.",
+                    style="yellow",
+                )
         with PlanProgress(aside, "drawing the steps"):
             written = tuple(outputs.write_plan(made, report, settings))
         if screen is not None:

@@ -72,7 +72,8 @@ def refuse_idle(
         )
     if budget_s is not None and (policy or configured) == "paper":
         raise UsageError(
-            "--budget-s: the paper's policy rescales once and improves nothing.", "Leave it out."
+            "--budget-s: the policy paper, of the Speech-to-Reality paper, improves nothing.",
+            "Leave it out.",
         )
     if policy == "paper" and (standing or take_apart):
         raise UsageError(

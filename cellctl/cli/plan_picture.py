@@ -41,6 +41,8 @@ def draw_steps(
 ) -> None:
     """Draw the finished object and how it is built, and write it as a PNG of 2100 x 1260 pixels.
 
+    Of an object that is taken apart, what stood there is drawn instead.
+
     Args:
         plan: what to draw; ``MOMENTS`` stages of it are shown, fewer if it has fewer steps, and
             without steps its object alone.
@@ -58,9 +60,13 @@ def draw_steps(
     axes = add_scene_axes(figure, _MAIN if plan.steps else _ALONE)
     camera = Camera(grid)
     scene = Scene(axes, camera, grid)
-    finished = {life.cell: life for life in lives if life.stands_after(total)}
-    scene.floor(sorted(finished), robot_side, plan.pitch_m)
-    _parts(scene, finished, {cell: _colour(life, total) for cell, life in finished.items()})
+    shown = {life.cell: life for life in lives if life.stands_after(total)}
+    colours = {cell: order_colour(life.placed, total) for cell, life in shown.items()}
+    if not shown:  # all is taken away: what stood there, by the step that takes each part
+        shown = {life.cell: life for life in lives if life.placed is None}
+        colours = {cell: order_colour(life.removed, total) for cell, life in shown.items()}
+    scene.floor(sorted(shown), robot_side, plan.pitch_m)
+    _parts(scene, shown, colours)
     if plan.weakest is not None:
         _mark(scene, plan.weakest)
     axes.autoscale_view()
@@ -79,10 +85,6 @@ def _parts(scene: Scene, here: dict[Cell, Life], colours: dict[Cell, Colour]) ->
     # The camera is beyond the far corner on every axis, so this order is far to near.
     for cell in sorted(here, key=lambda c: (c.z, c.y, c.x)):
         scene.part(cell, colours[cell], occupied)
-
-
-def _colour(life: Life, total: int) -> Colour:
-    return order_colour(life.placed, total)
 
 
 def _muted(colour: Colour) -> Colour:
@@ -115,9 +117,9 @@ def _panels(
         here = {life.cell: life for life in lives if life.stands_after(now)}
         scene.floor_plate(sorted(here))
         colours = {
-            cell: _colour(life, total)
-            if life.placed is not None and life.placed >= before
-            else _muted(_colour(life, total))
+            cell: order_colour(life.placed, total)
+            if now == 0 or (life.placed is not None and life.placed >= before)
+            else _muted(order_colour(life.placed, total))
             for cell, life in here.items()
         }
         _parts(scene, here, colours)
@@ -149,6 +151,8 @@ def _window(
 
 def _words(plan: BuildPlan, before: int, now: int) -> str:
     """What happens between two moments: ``parts 9 to 14, layer 2``."""
+    if now == 0:
+        return "to begin with"
     steps = plan.steps[before:now]
     counts = f"{before + 1}" if now == before + 1 else f"{before + 1} to {now}"
     some = "s" if now > before + 1 else ""

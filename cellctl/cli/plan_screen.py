@@ -16,6 +16,8 @@ from cellctl.validating.words import count, named, parts
 COLUMNS: Final = 100
 """No line is longer, however wide the screen."""
 
+_AMPLE: Final = 1.1
+"""A smaller margin is remarked upon."""
 _GAP: Final = "   "
 _LEGEND: Final = "From above, x to the right, y up the page; the numbers are the steps."
 _LEAST_ABREAST: Final = 3
@@ -100,6 +102,8 @@ def margin_words(report: PlanReport) -> str:
         words += f"the magnets are {worst.margin:.2f} times as strong as they must be."
     else:
         words += "it would come apart then."
+    if 1.0 <= worst.margin < _AMPLE:
+        words += " That leaves next to nothing to spare: have an eye on that step."
     if report.weakest is not None:
         words += f" The weakest joint is the one {report.weakest.description}."
     return words
@@ -111,7 +115,7 @@ def closeness_words(report: PlanReport) -> str:
         return ""
     words = f"{report.score:.0%} of the shape is kept"
     if report.baseline_score is not None:
-        words += f"; the paper's rescaling keeps {report.baseline_score:.0%}"
+        words += f"; the rescaling of the Speech-to-Reality paper keeps {report.baseline_score:.0%}"
     if report.proven:
         words += (
             ". No object with the same symmetry and without new gaps keeps more: this is proven."
@@ -119,7 +123,7 @@ def closeness_words(report: PlanReport) -> str:
     elif report.bound is not None:
         words += (
             f". With the same symmetry and without new gaps, at most {report.bound:.0%} can be "
-            f"kept; whether more than this can was not found out within {report.budget_s:g} s."
+            f"kept; whether more than this can was left open after {report.planning_s:.1f} s."
         )
     else:
         words += ". How much more could be kept is not known."
@@ -180,7 +184,12 @@ def _rows(report: PlanReport) -> Iterator[tuple[str, str, str]]:
     if report.duration_s is not None and steps:
         each = report.duration_s / steps
         yield "time", "bold", f"about {duration(report.duration_s)} to build, {each:.1f} s a part"
-    yield "planned", "bold", f"in {report.planning_s:.1f} s, by the policy {report.policy!r}"
+    paper = ", the rules of the Speech-to-Reality paper" if report.policy == "paper" else ""
+    yield (
+        "planned",
+        "bold",
+        f"in {report.planning_s:.1f} s, by the policy {report.policy!r}{paper}",
+    )
 
 
 def _amount(report: PlanReport) -> str:

@@ -77,7 +77,7 @@ def moments(plan: BuildPlan, count: int) -> tuple[int, ...]:
     """After how many steps pictures of the build say most, so many of them.
 
     They are the ends of layers where there are not too many, and what lies between them in halves
-    where there are too few.
+    where there are too few. Where something stands before the first step, that is the first one.
 
     Returns:
         Numbers of steps done, rising, the last of them all steps; fewer where there are fewer, and
@@ -86,6 +86,14 @@ def moments(plan: BuildPlan, count: int) -> tuple[int, ...]:
     total = len(plan.steps)
     if total == 0:
         return ()
+    if any(life.placed is None for life in lives_of(plan)):
+        return (0, *_ends(plan, count - 1))
+    return _ends(plan, count)
+
+
+def _ends(plan: BuildPlan, count: int) -> tuple[int, ...]:
+    """``moments`` after the first step."""
+    total = len(plan.steps)
     steps = plan.steps
     ends = [at for at in range(1, total) if steps[at].cell.z != steps[at - 1].cell.z] + [total]
     if len(ends) > count:

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from cellctl.assembly import Role
 from cellctl.cli.options import ConfigOption, client
+from cellctl.cli.replies import state_words
 from cellctl.client import CellClient, NoDaemonError
 from cellctl.messages import Snapshot
 
@@ -69,7 +70,7 @@ def picture(snapshot: Snapshot) -> RenderableType:
             Align.center(Text(f"{job.parts_placed} of {job.parts_total} parts")),
             Align.center(ProgressBar(job.parts_total, job.parts_placed, width=50)),
         )
-    return _page(state.replace("_", ": "), sentence, colour, bar)
+    return _page(state_words(state), sentence, colour, bar)
 
 
 def _page(title: str, sentence: str, colour: str, bar: RenderableType | None) -> RenderableType:

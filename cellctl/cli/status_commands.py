@@ -9,6 +9,7 @@ from rich.table import Table
 from cellctl.assembly import Role
 from cellctl.cli.following import follower
 from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, client
+from cellctl.cli.replies import state_words
 from cellctl.errors import CellctlError
 from cellctl.messages import BoardData, Snapshot
 
@@ -58,7 +59,7 @@ def board_line(board: BoardData) -> str:
 def _show(console: Console, snapshot: Snapshot) -> None:
     table = Table.grid(padding=(0, 2))
     table.add_row("[bold]cell[/]", f"{snapshot.cell} ({snapshot.kind}), cellctl {snapshot.version}")
-    table.add_row("[bold]state[/]", snapshot.state.state.replace("_", ": "))
+    table.add_row("[bold]state[/]", state_words(snapshot.state.state))
     table.add_row("", snapshot.state.sentence)
     job = snapshot.job
     if job is not None:

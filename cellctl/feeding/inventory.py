@@ -173,8 +173,9 @@ class Counts(Value):
         unknown = self.total - sum(known.values())
         if unknown < 0:
             raise InventoryError(
-                f"That is {-unknown} more than the {self.total} parts that this cell owns.",
-                "Count again, or tell of new parts with `cellctl inventory own NUMBER`.",
+                f"That is {-unknown} more than the {self.total} parts that there are in all.",
+                "Count again; if parts were added, tell how many there are in all: "
+                "`cellctl inventory own NUMBER`.",
             )
         return Counts.model_validate({**known, Place.UNKNOWN: unknown})
 

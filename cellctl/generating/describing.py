@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 
@@ -128,14 +127,12 @@ def realise(
         vertices, faces = mesh_of_parts(description)
         title, stated = description.title, {}
         complete: FamilyDescription | PartsDescription = description
-        told = json.dumps({"parts": len(description.parts)})
     else:
         design, values = draw(description, config)
         vertices, faces = mesh_of(design.boxes, config.voxel.pitch_m)
         title = design.title
         stated = {str(k): v for k, v in description.size_m.items()}
         complete = description.model_copy(update={"attributes": values})
-        told = json.dumps(complete.model_dump(exclude_defaults=True), sort_keys=True)
     if faces_visitors_by_turning(config):
         vertices = vertices * np.array([-1.0, -1.0, 1.0])
     return GeneratedMesh(
@@ -143,11 +140,26 @@ def realise(
         faces=faces,
         metric=True,
         title=title,
-        provenance=f"{provenance}: {told}",
+        provenance=f"{provenance}: {in_words(complete)}",
         stated_dimensions_m=stated if stated_m is None else stated_m,
         changes=left_out,
         description=complete,
     )
+
+
+def in_words(description: FamilyDescription | PartsDescription) -> str:
+    """``stool, legs 4, no back, height 50 cm``."""
+    if isinstance(description, PartsDescription):
+        return f"{description.title}, made of {len(description.parts)} solids"
+    told = [description.noun or description.family]
+    for name, value in description.attributes.items():
+        words = name.replace("_", " ")
+        if isinstance(value, bool):
+            told.append(words if value else f"no {words}")
+        else:
+            told.append(f"{words} {value}")
+    told += [f"{axis} {round(size * 100, 1):g} cm" for axis, size in description.size_m.items()]
+    return ", ".join(told)
 
 
 def draw(description: FamilyDescription, config: CellConfig) -> tuple[Design, dict[str, Attribute]]:

@@ -59,6 +59,8 @@ class Standing:
         for cell in standing:
             self._bear_straight(self._model.number[cell])
         self._touched = list(range(len(self._model.cells)))
+        self._spread: dict[tuple[int, ...], Floats | None] = {}
+        """How springs spread what is left over of some parts, as long as the same parts stand."""
 
     def rests(self) -> bool:
         """Whether what stands now stays so."""
@@ -71,6 +73,7 @@ class Standing:
         """Put a part; whether that holds, while it is pressed in and after."""
         body = self._model.number[cell]
         self._here[body] = True
+        self._spread.clear()
         self._bear_straight(body)
         self._touched = [body]
         return self.rests() and self.bears_pressing(cell)
@@ -79,6 +82,7 @@ class Standing:
         """Take a part away; whether the rest stands after."""
         body = self._model.number[cell]
         self._here[body] = False
+        self._spread.clear()
         self._resultants[~self._model.joined(self._here)] = 0.0
         self._touched = [other for other in self._model.beside[body] if self._here[other]]
         return self.rests()
@@ -140,16 +144,26 @@ class Standing:
     def _springs(self, load: Floats, bodies: Ints) -> Floats | None:
         """Spread what is left over as springs would; None if some parts are held by nothing."""
         joints, over = self._region(load, bodies)
+        key = tuple(bodies.tolist())
+        if key not in self._spread:
+            self._spread[key] = self._spreading(bodies, joints)
+        spread = self._spread[key]
+        if spread is None:
+            return None
+        found = self._resultants.copy()
+        found[joints] -= (spread @ over).reshape(-1, 6)
+        return found
+
+    def _spreading(self, bodies: Ints, joints: Bools) -> Floats | None:
+        """What each joint of springs takes up of each load, (6 joints, 6 parts)."""
         rows, columns = _six(bodies), _six(np.flatnonzero(joints))
         balance = self._model.balance[rows][:, columns].toarray()
         eased = balance * self._model.ease[joints].ravel()
         try:
-            change = eased.T @ np.linalg.solve(eased @ balance.T, -over)
+            spread: Floats = eased.T @ np.linalg.inv(eased @ balance.T)
         except np.linalg.LinAlgError:
             return None
-        found = self._resultants.copy()
-        found[joints] += change.reshape(-1, 6)
-        return found
+        return spread
 
     def _programme(self, load: Floats, bodies: Ints) -> Floats | None:
         """Resultants anew within some parts; None if they cannot balance."""

@@ -136,8 +136,8 @@ def paper_draft(found: PaperPlan, physics: Physics) -> Draft:
     if failed:
         first = failed[0]
         questions = (
-            f"By the paper's rules it can be built, but by the strength of its joints it would "
-            f"come apart in step {first + 1}. Shall I build it all the same?",
+            "By the rules of the Speech-to-Reality paper it can be built, but by the strength of "
+            f"its joints it would come apart in step {first + 1}. Shall I build it all the same?",
         )
     return Draft(found.order, found.checks, verdicts, "paper", found.changes, questions)
 

@@ -104,6 +104,14 @@ def fit(generated: GeneratedMesh, config: CellConfig) -> Fitted:
         scale = _unitless_scale(generated, extent, space_m, config)
     most = float((space_m / extent).min())
     changes: list[Change] = []
+    if not generated.metric and not generated.stated_dimensions_m:
+        changes.append(
+            Change(
+                what=f"It is {centimetres(float(extent[2] * scale))} high.",
+                why="Its mesh has no unit, and no size was asked for, so it fills the building "
+                f"space of {_space(space_m)}.",
+            )
+        )
     # What fills no further cell is not too large.
     if np.any(extent * scale > space_m + TOLERANCE_M):
         before, after = (centimetres(float(extent[2] * s)) for s in (scale, most))

@@ -30,7 +30,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
     """Runs the command; returns its status, its output and its errors."""
 
     def plan(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["cellctl", "plan", *arguments, "--config", str(CONFIG)])
+        monkeypatch.setattr(sys, "argv", ["cellctl", "plan", "--config", str(CONFIG), *arguments])
         with pytest.raises(SystemExit) as ended:
             main()
         out, err = capsys.readouterr()
@@ -280,6 +280,18 @@ def test_what_stands_is_taken_apart_or_becomes_something_else(run: Run, tmp_path
     assert [step.kind for step in changed.placements] == ["remove", "place"]
     assert (2, 2, 0) in changed.cells
     assert len(changed.cells) == 2
+
+
+def test_a_configured_policy_that_knows_no_taking_apart_is_told(run: Run, tmp_path: Path) -> None:
+    cells = cells_file(tmp_path / "post.json", (2, 2, 0), (2, 2, 1))
+    paper = tmp_path / "cell.toml"
+    paper.write_text(f'{CONFIG.read_text()}\n[planning]\npolicy = "paper"\n')
+    for more in (("--take-apart",), ("--standing", cells)):
+        status, out, _ = run(cells, *more, "--config", str(paper))
+        assert status == 0
+        assert "planning.policy is 'paper', which knows no taking apart" in " ".join(out.split())
+        assert "by the policy 'cellctl'" in out
+    assert "planning.policy" not in run(cells, "--take-apart")[1]
 
 
 def test_what_stands_already_is_drawn_and_told(run: Run, tmp_path: Path) -> None:

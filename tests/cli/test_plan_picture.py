@@ -62,6 +62,12 @@ def test_plans_that_take_away_can_be_drawn(tmp_path: Path, plan: BuildPlan) -> N
         assert int(np.sum(np.abs(half - pixels[0, 0]).max(axis=2) > 20)) > 5000
 
 
+def test_what_is_taken_apart_is_drawn_whole_in_colours_of_the_order(tmp_path: Path) -> None:
+    pixels = draw(tmp_path / "steps.png", taking_apart())
+    height, width, _ = pixels.shape
+    assert yellow(pixels[: round(height * 0.9), : width // 2]) > 1000
+
+
 def test_a_plan_without_steps_is_drawn_as_its_object_alone(tmp_path: Path) -> None:
     pixels = draw(tmp_path / "steps.png", standing_already())
     inked = np.abs(pixels - pixels[0, 0]).max(axis=2) > 20

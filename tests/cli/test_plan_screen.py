@@ -78,7 +78,7 @@ def test_everything_is_on_the_screen_within_its_columns() -> None:
         "by hand",
         "1.50 at its least, in step 4 of 4, a part placed at [2, 0, 1]",
         "The weakest joint is the one between [1, 0, 1] and [0, 0, 1].",
-        "90% of the shape is kept; the paper's rescaling keeps 70%.",
+        "90% of the shape is kept; the rescaling of the Speech-to-Reality paper keeps 70%.",
         "One leg moved in. It would have tipped.",
         "Shall I build it so?",
         "pass     stability: It stands.",
@@ -98,6 +98,12 @@ def test_margin_words_say_when_no_magnet_is_needed_and_nothing_when_nobody_looke
     judged = report_plan(column, ASKED, SETTINGS, 0.0)
     assert "no step needs a magnet" in margin_words(judged)
     assert margin_words(judged.model_copy(update={"checks": ()})) == ""
+
+
+def test_a_margin_with_nothing_to_spare_is_remarked_upon() -> None:
+    bare = plan_of(placing(BEAM, (None, None, 2.0, 1.0)), BEAM)
+    assert "next to nothing to spare" in margin_words(report_plan(bare, ASKED, SETTINGS, 0.0))
+    assert "to spare" not in margin_words(reported())
 
 
 def test_margin_words_say_when_it_would_not_hold() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, Step, StepKind
 from cellctl.cli.plan_steps import FIRST_TO_LAST, STANDING, Life, lives_of, moments, order_colour
 from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, standing_already, taking_apart
 
@@ -78,3 +78,14 @@ def test_moments_are_the_ends_of_layers_or_evenly_between(
 ) -> None:
     cells = tower(layers, wide)
     assert moments(plan_of(placing(cells), cells), 6) == expected
+
+
+def test_what_stands_before_is_shown_whole_first() -> None:
+    assert moments(taking_apart(), 6) == (0, 1, 2, 3, 4)
+    assert moments(changeover(), 6)[0] == 0
+    cells = tower(6, 3)
+    apart = tuple(
+        Step(index=index, kind=StepKind.REMOVE, cell=cell)
+        for index, cell in enumerate(reversed(cells))
+    )
+    assert moments(plan_of(apart, ()), 6) == (0, 3, 6, 12, 15, 18)

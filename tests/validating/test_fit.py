@@ -46,7 +46,9 @@ def test_a_metric_mesh_that_is_too_large_shrinks_evenly_and_says_so() -> None:
 def test_a_mesh_without_a_unit_fills_the_workspace() -> None:
     fitted = fit(generated(Box(0, 0, 0, 1, 1, 2), unit_m=0.37, metric=False), CONFIG)
     assert np.allclose(fitted.shape.extent, [3, 3, 6])
-    assert fitted.changes == ()
+    (change,) = fitted.changes
+    assert change.what == "It is 60 cm high."
+    assert "no unit" in change.why
 
 
 def test_a_mesh_without_a_unit_takes_the_size_that_was_said() -> None:

@@ -82,8 +82,8 @@ def prove(count: int, seed: int) -> dict[str, int]:
 
 
 def test_it_ends_on_random_solids_within_its_limits_or_with_a_refusal() -> None:
-    outcomes = prove(2000, SEED)
-    assert min(outcomes.values()) > 100  # each way was really taken
+    outcomes = prove(1000, SEED)
+    assert min(outcomes.values()) > 50  # each way was really taken
 
 
 @pytest.mark.soak

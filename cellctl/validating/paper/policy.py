@@ -128,7 +128,7 @@ def _accepted(
     for check in checks:
         if not check.passed:
             raise PlanError(
-                f"It breaks the paper's rule of {check.name}: {check.message} "
+                f"It breaks the Speech-to-Reality paper's rule of {check.name}: {check.message} "
                 f"Cells: {words.named(check.cells)}.",
                 'Ask for another shape, or plan with planning.policy = "cellctl".',
                 rule=check.name,

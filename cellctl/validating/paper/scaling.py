@@ -64,7 +64,8 @@ def one_cell_smaller(shape: Shape, axes: Iterable[int]) -> Shape:
             factors[axis] = max(extent[axis] - 1.0, 1.0) / extent[axis]
     if np.all(factors == 1.0):
         raise PlanError(
-            "The paper's rescaling ends here: the shape is one part thin, and cannot lose a part.",
+            "The rescaling of the Speech-to-Reality paper ends here: the shape is one part thin, "
+            "and cannot lose a part.",
             "Ask for another shape.",
         )
     return Shape(Surface(shape.surface.vertices * factors, shape.surface.faces), shape.pitch_m)

@@ -119,7 +119,7 @@ def repair_shape(
     if found.collapses and all(reason.rule != "stability" for reason in why):
         why = (*why, unstable(found.collapses[0], physics.least_margin))
     if found.stands is None or found.score < LEAST_SCORE:
-        raise _refusal(wanted, why, found, budget_s)
+        raise _refusal(wanted, why, found, time.monotonic() - start_s)
     changes = describe(wanted, found.cells, why)
     kept = symmetries(found.cells, Wanted(found.cells).size)
     if found is not symmetric and not set(symmetries(wanted.cells, wanted.size)) <= set(kept):
@@ -143,7 +143,7 @@ def _asymmetric(symmetric: float, score: float) -> Change:
     return Change(what="It is not as symmetric as the shape.", why=why)
 
 
-def _refusal(wanted: Wanted, why: tuple[Reason, ...], found: Found, budget_s: float) -> PlanError:
+def _refusal(wanted: Wanted, why: tuple[Reason, ...], found: Found, spent_s: float) -> PlanError:
     """Which rules, where, and what could be built instead."""
     said = []
     for reason in why:
@@ -154,7 +154,7 @@ def _refusal(wanted: Wanted, why: tuple[Reason, ...], found: Found, budget_s: fl
     settled = found.proven or found.bound < LEAST_SCORE
     hint = "Ask for another shape, or a simpler one."
     if not settled:
-        said.append(f"Something that keeps enough of it was not found within {budget_s:g} s.")
+        said.append(f"Something that keeps enough of it was not found in {spent_s:.1f} s.")
         hint = "Ask for another shape, or a simpler one; or give more time (planning.budget_s)."
     elif not found.cells:
         said.append(f"Nothing like its {times(wanted.size)} parts stands.")
