@@ -131,7 +131,7 @@ def test_a_flag_makes_a_difference(name: str, flag: str) -> None:
         assert len(there) > len(absent) or size_of(there) != size_of(absent)
 
 
-STATED = [family.name for family in FAMILIES if family.name != "aeroplane"]
+STATED = [family.name for family in FAMILIES]
 
 
 @pytest.mark.parametrize("height_cells", [3, 5])

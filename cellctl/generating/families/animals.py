@@ -53,11 +53,11 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "horse": (
         ("horse", "pony", "donkey", "zebra", "foal", "mule"),
-        Measures(neck=1, head="narrow", tail="out"),
+        Measures(neck=1, head="narrow", ears=0, tail="out"),
     ),
     "unicorn": (
         ("unicorn",),
-        Measures(legs=1, neck=1, head="narrow", ears=0, horn="one", tail="out"),
+        Measures(neck=1, head="narrow", ears=0, horn="one", tail="out"),
     ),
     "deer": (
         ("deer", "reindeer", "moose", "elk", "stag", "goat"),
@@ -69,7 +69,7 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "sheep": (
         ("sheep", "lamb"),
-        Measures(legs=1, belly=2, head="low", snout=0, ears=0, tail="none", woolly=True),
+        Measures(legs=1, belly=2, head="narrow", ears=0, tail="none", woolly=True),
     ),
     "pig": (
         ("pig", "piglet", "boar", "hippo", "rhino"),
@@ -167,7 +167,7 @@ def _head(it: Measures, top: int) -> set[tuple[int, int, int]]:
     cells |= {(shoulder, y, over + k) for y in pair for k in range(it.ears)}
     match it.horn:
         case "one":
-            cells |= {(at, _MID, above), (at, _MID, above + 1)}
+            cells |= {(at, _MID, above)}
         case "pair":
             cells |= {(shoulder, y, over) for y in pair} | {(at, y, level) for y in range(_DEPTH)}
         case "antlers":

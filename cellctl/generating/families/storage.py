@@ -77,7 +77,9 @@ def _shelf(brief: Brief, usual_tiers: int) -> Design:
 def box(brief: Brief) -> Design:
     """A box, open at the top unless a lid is asked for; its walls are one cell thick."""
     lid = brief.flag("lid", brief.noun in ("chest", "treasure chest"))
-    width, depth, height = brief.size(4, 3, 3, least=(3, 3, 2 + lid))
+    # Without a lid it is low, so that one sees into it.
+    usual = (4, 3, 3) if lid else (4, 4, 2)
+    width, depth, height = brief.size(*usual, least=(3, 3, 2 + lid))
     right, rear = width - 1, depth - 1
     boxes = [
         Box(0, 0, 0, width, depth, 1),
