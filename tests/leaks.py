@@ -35,6 +35,7 @@ UNWATCHED_FOLDERS = {
     ".git": "not the tests' business",
     ".venv": "the environment",
     "__pycache__": "Python's compiled modules",
+    "build": "the boards' compiled programs, which tests that run them bring up to date",
     ".mypy_cache": "mypy's",
     ".ruff_cache": "ruff's",
     ".pytest_cache": "pytest's",
