@@ -16,24 +16,25 @@ from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated, write_config
 from cellctl.sim.spawn import emulated_cell
 from tests.cell.harness import cell_config
+from tests.firmware.loop.bench import compile_programs
 from tests.leaks import REPOSITORY
 
-pytestmark = [pytest.mark.wire, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.wire, pytest.mark.timeout(330)]
 
 SPEED = 3.0
 """Slow enough that the belt is still under way when it has missed its host for long enough."""
-PATIENCE_S = 110.0
+PATIENCE_S = 150.0
 MOVING = 4
 """Tests that ask before something moves."""
 
 
 @contextmanager
-def cell() -> Iterator[tuple[SimClient, Path]]:
+def cell(speed: float = SPEED, **emulation: str) -> Iterator[tuple[SimClient, Path]]:
     with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
-        own = isolated(cell_config(), Path(name), SPEED)
+        own = isolated(cell_config(emulation=emulation), Path(name), speed)
         path = Path(name) / "cell.toml"
         write_config(own, path)
-        with emulated_cell(own, SPEED) as world:
+        with emulated_cell(own, speed) as world:
             yield world, path
 
 
@@ -69,3 +70,15 @@ def test_the_suites_move_nothing_unasked_and_pass_on_an_emulated_cell() -> None:
     assert allowed.stdout.count("[yes/no]") == MOVING + 1
     assert len(after.built) == 1, "no part was placed"
     assert not after.violations
+
+
+@pytest.mark.soak
+def test_the_suites_pass_on_the_compiled_programs_at_real_speed() -> None:
+    compile_programs()
+    with cell(1.0, firmware="elf") as (world, path):
+        done = suites(path, "yes")
+        truth = world.truth()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "skipped" not in done.stdout.splitlines()[-1], done.stdout
+    assert len(truth.built) == 1, "no part was placed"
+    assert not truth.violations
