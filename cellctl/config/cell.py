@@ -70,6 +70,11 @@ class CellConfig(Section):
             raise ValueError("robot.rtde_frequency_hz must be 125 for a ur10 (CB3 controller)")
         if self.robot.model == "ur10" and self.tool.payload_kg > 10.0:
             raise ValueError("tool.payload_kg must be at most 10.0 for a ur10")
+        asks = self.understanding.model_url and self.understanding.model_name
+        if "model" in self.generating.chain and not asks:
+            raise ValueError(
+                'generating.chain has "model": say which in understanding.model_url and model_name'
+            )
         if min(self.workspace.size_m) < self.voxel.pitch_m:
             raise ValueError("workspace.size_m must hold at least one voxel on every axis")
         return self

@@ -9,16 +9,16 @@ from pydantic import Field, model_validator
 
 from cellctl.config.section import Positive, Section
 
-GeneratorName = Literal["description", "catalogue", "meshy", "tripo", "server"]
+GeneratorName = Literal["description", "catalogue", "model", "meshy", "tripo", "server"]
 
 
 class GeneratingSection(Section):
     """Where shapes come from: who is asked, in which order, and how long."""
 
     chain: tuple[GeneratorName, ...] = ("description", "catalogue")
-    """Asked in this order, until one knows the object: ``description`` and ``catalogue`` need no
-    network; ``meshy`` and ``tripo`` are services in the cloud, ``server`` is a machine of one's
-    own."""
+    """Asked in this order, until one knows the object. ``description`` and ``catalogue`` need no
+    network; ``model`` has the language model of [understanding] describe simple solids; ``meshy``
+    and ``tripo`` are services in the cloud, ``server`` is a machine of one's own."""
     catalogue: str = ""
     """File of the catalogue; empty is the one that comes with cellctl."""
     meshy_url: str = "https://api.meshy.ai/openapi"
@@ -31,7 +31,7 @@ class GeneratingSection(Section):
     timeout_s: Positive = 300.0
     """For one model from a service, from the request to the last byte (wall time)."""
     answer_timeout_s: Positive = 30.0
-    """For one answer of Meshy or Tripo (wall time)."""
+    """For one answer of Meshy, Tripo or the language model (wall time)."""
     max_download_mb: Annotated[float, Field(gt=0.0, le=1000.0)] = 64.0
     """The largest model that is taken from a service, in megabytes."""
 

@@ -13,7 +13,8 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Protocol
 
 from cellctl.config import CellConfig
-from cellctl.control.designing import design_by, read_model
+from cellctl.control.design_model import ask_model
+from cellctl.control.designing import design_by, read_description, read_model
 from cellctl.credentials import find_credential
 from cellctl.errors import DesignError, UnknownObjectError
 from cellctl.generating.wording import refuse_no_object, with_article
@@ -65,6 +66,8 @@ async def design_by_chain(
         try:
             if name in _BY_MYSELF:
                 mesh = await compute(design_by, name, request, config)
+            elif name == "model":
+                mesh = await _modelled(request, config, compute, progress)
             else:
                 content = await _asked(name, request, config, progress)
                 mesh = await compute(read_model, content, request, _NAMES[name])
@@ -85,6 +88,17 @@ async def design_by_chain(
     if failed is not None and unknown is not None:
         raise DesignError(failed.message, f"{failed.hint} {unknown.hint}".strip()) from failed
     raise failed or unknown or DesignError("No generator is configured.")
+
+
+async def _modelled(
+    request: Request, config: CellConfig, compute: Compute, progress: Progress
+) -> GeneratedMesh:
+    """The shape of what a language model describes."""
+    name = config.understanding.model_name
+    progress(f"I am asking {name} to describe {_prompt(request)}.")
+    return await compute(
+        read_description, await ask_model(_prompt(request), config), request, config, name
+    )
 
 
 async def _asked(name: str, request: Request, config: CellConfig, progress: Progress) -> bytes:

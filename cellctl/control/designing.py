@@ -59,6 +59,39 @@ def read_model(content: bytes, request: Request, by: str) -> GeneratedMesh:
     )
 
 
+def read_description(text: str, request: Request, config: CellConfig, by: str) -> GeneratedMesh:
+    """The shape of what a language model described for a request.
+
+    Args:
+        text: what it wrote.
+        request: what was asked for.
+        config: the cell.
+        by: the model's name.
+
+    Raises:
+        DesignError: that is no description of simple solids.
+    """
+    from cellctl.description import PartsDescription, parse_description  # noqa: PLC0415
+    from cellctl.generating.catalogue import unpromised  # noqa: PLC0415
+    from cellctl.generating.describing import realise  # noqa: PLC0415
+
+    try:
+        description = parse_description(text, f"what {by} wrote")
+    except UsageError as error:
+        raise DesignError(
+            f"{by} wrote no description that can be used: {error.message}", "Please ask again."
+        ) from error
+    if not isinstance(description, PartsDescription):
+        raise DesignError(f"{by} described no solids.", "Please ask again.")
+    described = description.model_copy(update={"title": request.phrase})
+    return dataclasses.replace(
+        realise(described, config, provenance=f"described by {by}"),
+        metric=not request.dimensions_m,
+        stated_dimensions_m={str(k): v for k, v in request.dimensions_m.items()},
+        changes=unpromised(request, f"{by}'s"),
+    )
+
+
 def redesign(mesh: GeneratedMesh | None, request: Request, config: CellConfig) -> GeneratedMesh:
     """What was designed, as a request with intent ``edit`` wants it.
 
