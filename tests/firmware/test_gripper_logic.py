@@ -156,6 +156,11 @@ def test_it_opens_and_closes_at_the_command_line_and_confirms_the_latch(
         (True, 0),
     ]
     assert closed[1].time_ms - closed[0].time_ms == TRAVEL_MS
+    opened = board.command(1)
+    assert [(change.status, change.pulse_us) for change in opened] == [
+        (False, UNLATCH_PULSE_US),
+        (False, 0),
+    ]
 
 
 @pytest.mark.parametrize("level", [0, 1])
@@ -378,10 +383,26 @@ def test_a_damaged_record_falls_back_to_the_defaults_and_says_so(
         identified.poke(address, kept[address])
 
 
-def record_of(latch: int, travel: int) -> bytes:
+def test_a_whole_record_of_another_layout_is_refused(identified: GripperBoard) -> None:
+    for layout, kept in ((1, True), (0, False), (2, False), (255, False)):
+        put(identified, record_of(latch=1100, travel=TRAVEL_MS, layout=layout))
+        identified.start()
+        identified.ask("I")
+        assert (identified.register(Register.LATCH_PULSE) == 1100) is kept
+        assert (GripperFlag.DEFAULT not in identified.flags()) is kept
+
+
+def put(board: GripperBoard, record: bytes) -> None:
+    """Write a record into the EEPROM."""
+    for address, byte in enumerate(record):
+        board.poke(address, byte)
+
+
+def record_of(latch: int, travel: int, layout: int = 1) -> bytes:
     """The record as docs/firmware.md describes it, by code of the host's own."""
     numbers = (latch, UNLATCH_PULSE_US, travel)
-    body = b"".join(number.to_bytes(2, "little") for number in numbers) + b"\x01"
+    body = b"".join(number.to_bytes(2, "little") for number in numbers)
+    body += bytes([layout])
     return body + bytes([crc8(body)])
 
 
@@ -395,8 +416,7 @@ def test_an_erased_eeprom_is_no_record(identified: GripperBoard, fill: int) -> N
 
 
 def test_a_whole_record_with_numbers_out_of_range_is_refused(identified: GripperBoard) -> None:
-    for address, byte in enumerate(record_of(latch=PULSE_MAX_US + 1, travel=TRAVEL_MS)):
-        identified.poke(address, byte)
+    put(identified, record_of(latch=PULSE_MAX_US + 1, travel=TRAVEL_MS))
     identified.start()
     identified.ask("I")
     assert identified.register(Register.LATCH_PULSE) == LATCH_PULSE_US
