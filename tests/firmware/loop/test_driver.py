@@ -9,6 +9,7 @@ import pytest
 from cellctl.errors import CellFault
 from tests.feeding.bench import PITCH_M, bench
 
+pytestmark = pytest.mark.wire
 KINDS = pytest.mark.parametrize("kind", ["plain", "elf"])
 TOLERANCE_M = 0.002
 
