@@ -58,6 +58,13 @@ them takes most of the budget."""
 _LEAST_CELLS = 300
 """Boxes of no more cells are given to it in any case."""
 
+_LARGE = 60
+"""To judge objects of more parts takes seconds: where there can be any, something that stands is
+found before anything closer is sought."""
+
+_FOR_LARGE = 0.4
+"""The part of the budget that this may take."""
+
 _PARTS_A_SECOND = 25
 """Objects of more parts than this a second cannot be judged in the time that is left."""
 
@@ -133,7 +140,13 @@ class _Search:
         if self._sizes.beyond > 0.0:
             # The solver is not given the sizes that matter most, and judging takes long.
             self._end_s += _GRACE_S
-            self._resize()
+            self._resize(self._end_s)
+        elif min(self._rules.parts, len(self._wanted.cells)) > _LARGE:
+            now_s = time.monotonic()
+            until_s = now_s + (self._end_s - now_s) * _FOR_LARGE
+            self._resize(until_s)
+            if not self._state.best and fallback:
+                self._try(fallback, until_s)
         found = self.improve()
         if found.score < found.bound - SAME:
             self._safely(fallback)
@@ -254,30 +267,30 @@ class _Search:
         """Without time to find the best: the given object, or one whose every part rests."""
         state = self._state
         if fallback and self._wanted.score(fallback) > state.score + SAME:
-            self._try(fallback)
+            self._try(fallback, self._end_s)
         if not state.best:
             self._end_s = max(self._end_s, time.monotonic() + _GRACE_S)
             if self._sizes.beyond == 0.0:
-                self._resize()
+                self._resize(self._end_s)
         left = sorted(self._sizes.opened, key=lambda c: (-c.bound, c.size))
         for candidate in left[:_SAFE_SIZES]:
             if state.score >= candidate.bound or time.monotonic() > self._end_s:
                 return
             self._rest(candidate)
 
-    def _resize(self) -> None:
+    def _resize(self, end_s: float) -> None:
         """The wanted shape at the closest size at which it stands and can be judged in time."""
         now_s = time.monotonic()
-        left_s = self._end_s - now_s
+        left_s = end_s - now_s
         parts = min(self._rules.parts, int(left_s * _PARTS_A_SECOND))
         until_s = now_s + left_s * _FOR_BOUNDS
         for cells in resized(self._wanted, self._sizes.all(), parts, until_s):
-            if self._state.best or time.monotonic() > self._end_s:
+            if self._state.best or time.monotonic() > end_s:
                 return
-            self._try(cells)
+            self._try(cells, end_s)
 
-    def _try(self, cells: Cells) -> None:
-        verdict = self._rules.judge(cells, self._end_s)
+    def _try(self, cells: Cells, until_s: float) -> None:
+        verdict = self._rules.judge(cells, until_s)
         if isinstance(verdict, Stands):
             self._take(cells, verdict)
 
