@@ -200,7 +200,7 @@ def planned_or_refused(number: int, budget_s: float) -> str:
     return f"{plan.parts} parts"
 
 
-@pytest.mark.parametrize("number", [200])
+@pytest.mark.parametrize("number", [12])
 def test_some_of_the_catalogue_are_planned_or_refused_with_a_reason(number: int) -> None:
     assert planned_or_refused(number, 1.0)
 
