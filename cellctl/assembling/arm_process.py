@@ -97,6 +97,8 @@ class RemoteArm:
             await self._ask(Stop(number=0))
 
     async def set_output(self, line: int, high: bool) -> None:
+        # Whoever stops waiting cannot know the level: it may be set all the same.
+        self._ordered.pop(line, None)
         await self._ask(SetOutput(number=0, line=line, high=high))
         self._ordered[line] = high
 

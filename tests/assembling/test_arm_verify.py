@@ -96,6 +96,21 @@ async def until_reduced(arm: RemoteArm) -> None:
             pass
 
 
+def test_an_output_that_nobody_waited_for_is_no_mismatch(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            await arm.set_output(0, high=False)
+            ordering = asyncio.create_task(arm.set_output(0, high=True))
+            await asyncio.sleep(0)
+            ordering.cancel()
+            await asyncio.gather(ordering, return_exceptions=True)
+            assert ordering.cancelled()
+            await arm.verify()
+            assert emulator.truth()["outputs"] & 1, "it was set all the same"
+
+    asyncio.run(scenario())
+
+
 def test_nothing_is_checked_while_the_arm_moves_or_stands_in_a_stop(emulator: Emulator) -> None:
     async def scenario() -> None:
         async with connected(emulator.config) as arm:
