@@ -151,6 +151,7 @@ def test_a_jammed_belt_keeps_the_part_in_the_gripper(idle: RunningCell) -> None:
     expect_apart(idle)
 
 
+@pytest.mark.soak
 def test_a_latch_that_lost_its_part_on_the_way_is_asked_about(idle: RunningCell) -> None:
     build(idle)
     idle.client.command("take_apart")
@@ -168,6 +169,7 @@ def _brings_back(now: Snapshot) -> bool:
     return now.state.state == "disassembling_returning" and now.arm.tcp_speed_m_s > 0.1
 
 
+@pytest.mark.soak
 def test_missing_parts_need_not_be_taken_off(idle: RunningCell) -> None:
     build(idle)
     idle.client.command("take_apart")
