@@ -230,13 +230,32 @@ class Step(Value):
     clearance_m: float | None = None
     """Height of the TCP above the floor at which the part may cross at this step."""
     duration_s: float | None = None
-    """Predicted cell time of both movements, from where the part before was put (or home) by way
-    of the pick station to this cell; without the latch's own time."""
+    """Predicted cell time of this step with the latch: both movements, from where the part before
+    was put (or home) by way of the pick station to this cell, and what the arm stands meanwhile."""
     margin: float | None = None
     """How many times stronger the magnets are than this step needs, while its part is pressed in or
     comes off and with the structure after it. None where it needs none; at least 1 holds."""
     take_off: TakeOff | None = None
     """Of a removal: how the part comes off; None of a placement."""
+
+
+class PartOutcome(Value):
+    """One step of a job, after its part was placed, or taken off and brought away."""
+
+    step: int
+    kind: StepKind = StepKind.PLACE
+    cell: Cell
+    seconds: float
+    """Cell time from the end of the part before to the end of this one."""
+    waited_s: float
+    """Share of it in which the arm waited for the belt."""
+    latch_s: float = 0.0
+    """Share of it in which the arm stood while the latch moved."""
+    route_s: float = 0.0
+    """Share of it in which the arm stood because its way was not planned yet."""
+    predicted_s: float | None = None
+    """What was told for it before."""
+    retries: int = 0
 
 
 class Weakest(Value):

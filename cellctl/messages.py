@@ -17,9 +17,9 @@ from cellctl.assembly import (
     Cell,
     Change,
     Check,
+    PartOutcome,
     Request,
     Role,
-    StepKind,
     Utterance,
     Value,
 )
@@ -66,19 +66,6 @@ class StateData(Value):
     """A cancel was asked for; the part on its way is placed first."""
     sentence: str = ""
     """The state in words for the people in the room."""
-
-
-class PartOutcome(Value):
-    """One step of a job, after its part was placed, or taken off and brought away."""
-
-    step: int
-    kind: StepKind = StepKind.PLACE
-    cell: Cell
-    seconds: float
-    """Cell time from the end of the part before to the end of this one."""
-    waited_s: float
-    """Share of it in which the arm waited for the belt."""
-    retries: int = 0
 
 
 Outcome = (

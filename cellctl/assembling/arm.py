@@ -106,6 +106,11 @@ class Arm(Protocol):
         """Move the TCP along a path and return when the arm has come to rest at its end."""
         ...
 
+    async def prepare(self, path: Path) -> None:
+        """Have a path ready at the controller, so that ``follow`` with the same path begins at
+        once. Moves nothing; a stop or another movement drops it."""
+        ...
+
     async def move_joints(self, target_rad: Joints, speed_rad_s: float) -> None:
         """Move in joint space, for homing; returns when at rest."""
         ...

@@ -22,6 +22,7 @@ from cellctl.assembling.arm_messages import (
     Follow,
     Heartbeat,
     MoveJoints,
+    Prepare,
     Report,
     SetOutput,
     Stop,
@@ -112,7 +113,16 @@ class ArmChild:
         return self._process.pid
 
     async def ask(
-        self, order: Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify | Close
+        self,
+        order: Connect
+        | Prepare
+        | Follow
+        | MoveJoints
+        | Stop
+        | SetOutput
+        | WaitInput
+        | Verify
+        | Close,
     ) -> Done:
         """Send an order and wait for its answer; the number is filled in here.
 

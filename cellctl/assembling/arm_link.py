@@ -72,6 +72,8 @@ class Link:
         self._kicked_at_s = 0.0
         self._longest_pause_s = 0.0
         self._not_playing_since_s: float | None = None
+        self.prepared: Path | None = None
+        """The path that waits behind the closed gate."""
         try:
             self._io: Any = rtde_io.RTDEIOInterface(robot.host)
             self._control: Any = rtde_control.RTDEControlInterface(
@@ -194,6 +196,7 @@ class Link:
 
     def open_gate(self) -> None:
         """Put the speed slider back to where it was before the gate was closed."""
+        self.prepared = None
         self._slide(self.speed_fraction)
 
     def start_path(self, path: Path) -> None:
@@ -215,6 +218,7 @@ class Link:
         if not self._control.movePath(script, True):
             raise self._refused("path")
         self.guard()
+        self.prepared = path
 
     def start_joints(self, target_rad: Joints, speed_rad_s: float) -> None:
         """Start a movement in joint space. It uploads nothing, so the watchdog stays armed.

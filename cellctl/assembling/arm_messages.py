@@ -52,6 +52,14 @@ class Follow(Value):
     planned_duration_s: float
 
 
+class Prepare(Value):
+    """Have a path ready; the arm stays at rest."""
+
+    kind: Literal["prepare"] = "prepare"
+    number: int
+    path: Path
+
+
 class MoveJoints(Value):
     """Move in joint space."""
 
@@ -103,7 +111,16 @@ class Close(Value):
 
 
 Order = Annotated[
-    Heartbeat | Connect | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify | Close,
+    Heartbeat
+    | Connect
+    | Prepare
+    | Follow
+    | MoveJoints
+    | Stop
+    | SetOutput
+    | WaitInput
+    | Verify
+    | Close,
     Field(discriminator="kind"),
 ]
 

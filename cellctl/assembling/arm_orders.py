@@ -12,7 +12,7 @@ from collections.abc import Callable, Generator
 from cellctl.assembling.arm import ArmCheck
 from cellctl.assembling.arm_dashboard import Dashboard
 from cellctl.assembling.arm_link import JOINT_ACCELERATION_RAD_S2, Link
-from cellctl.assembling.arm_messages import Follow, MoveJoints, WaitInput
+from cellctl.assembling.arm_messages import Follow, MoveJoints, Prepare, WaitInput
 from cellctl.assembling.arm_receiver import Sample
 from cellctl.assembling.arm_rtde import TOOL_VOLTAGE, read_integer
 from cellctl.assembling.poses import distance
@@ -56,15 +56,27 @@ class _Patience:
         return min(robot_s, time.monotonic() - self._wall_s) > self._limit_s
 
 
+def prepare(link: Link, order: Prepare) -> Generator[None, None, None]:
+    """Start a path behind the gate, and leave the gate closed.
+
+    Raises:
+        CellFault: whatever keeps the arm from moving.
+    """
+    link.check()
+    yield from link.close_gate()
+    link.start_path(order.path)
+
+
 def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, None, None]:
-    """Start a path behind the gate, open it, and wait for the end.
+    """Start a path behind the gate, unless it was prepared, open the gate, and wait for the end.
 
     Raises:
         CellFault: whatever keeps the arm from arriving.
     """
     link.check()
-    yield from link.close_gate()
-    link.start_path(order.path)
+    if link.prepared != order.path:
+        yield from link.close_gate()
+        link.start_path(order.path)
     link.open_gate()
     target = order.path[-1].pose
     length_m, _ = distance(link.sample.tcp_pose, target)
@@ -93,6 +105,8 @@ def move_joints(
         )
 
     link.check()
+    if link.prepared is not None:
+        yield from stop(link)
     planned_s = apart_rad(link.sample) / order.speed_rad_s
     planned_s += order.speed_rad_s / JOINT_ACCELERATION_RAD_S2
     link.start_joints(order.target_rad, order.speed_rad_s)
@@ -111,7 +125,12 @@ def stop(link: Link) -> Generator[None, None, None]:
     begun_s = link.sample.robot_time_s
     patience = _Patience(link, _STOP_TIMEOUT_S)
     # The newest state may be older than the order to brake, and show an arm that still stands.
-    while link.sample.robot_time_s - begun_s < _SETTLED_S or not link.sample.at_rest:
+    # And a path that was prepared must be gone before the gate opens.
+    while (
+        link.sample.robot_time_s - begun_s < _SETTLED_S
+        or not link.sample.at_rest
+        or (link.prepared is not None and link.under_way())
+    ):
         if patience.over:
             raise CellFault("motion_timeout", "The arm does not come to rest.")
         yield

@@ -22,6 +22,7 @@ from cellctl.assembling.arm_messages import (
     Done,
     Follow,
     MoveJoints,
+    Prepare,
     SetOutput,
     Stop,
     Verify,
@@ -88,6 +89,10 @@ class RemoteArm:
         if path:
             await self._move(Follow(number=0, path=path, planned_duration_s=planned_duration_s))
 
+    async def prepare(self, path: Path) -> None:
+        if path:
+            await self._move(Prepare(number=0, path=path))
+
     async def move_joints(self, target_rad: Joints, speed_rad_s: float) -> None:
         await self._move(MoveJoints(number=0, target_rad=target_rad, speed_rad_s=speed_rad_s))
 
@@ -120,7 +125,7 @@ class RemoteArm:
                     _log.warning("arm_close_failed", error=str(error))
             await self._drop()
 
-    async def _move(self, order: Follow | MoveJoints) -> None:
+    async def _move(self, order: Prepare | Follow | MoveJoints) -> None:
         try:
             await self._ask(order)
         except StoppedError:
@@ -131,7 +136,7 @@ class RemoteArm:
             raise
 
     async def _ask(
-        self, order: Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify
+        self, order: Prepare | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify
     ) -> Done:
         child = self._child
         if child is None:

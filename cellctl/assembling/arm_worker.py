@@ -38,6 +38,7 @@ from cellctl.assembling.arm_messages import (
     Heartbeat,
     MoveJoints,
     Order,
+    Prepare,
     Report,
     SetOutput,
     Stop,
@@ -159,7 +160,9 @@ class Worker:
                 raise
 
     def _begin(
-        self, link: Link, order: Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify
+        self,
+        link: Link,
+        order: Prepare | Follow | MoveJoints | Stop | SetOutput | WaitInput | Verify,
     ) -> None:
         assert self._robot is not None, "set together with the link"
         assert self._dashboard is not None, "set together with the link"
@@ -175,6 +178,8 @@ class Worker:
         elif isinstance(order, Verify):
             robot = self._robot.robot
             self._tasks[order.number] = arm_orders.verify(link, self._dashboard, robot)
+        elif isinstance(order, Prepare):
+            self._movement = (order.number, arm_orders.prepare(link, order))
         elif isinstance(order, Follow):
             self._movement = (order.number, arm_orders.follow(link, order, factor))
         else:

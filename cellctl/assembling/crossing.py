@@ -1,9 +1,8 @@
 """How high a part must be carried: the lowest way across that keeps clear of what stands.
 
 The way across goes from above where the arm is to above where it goes; the joints go straight, and
-the TCP's height all but evenly from the one to the other. What it passes asks for a height at a
-share of the way; of all pairs of heights that grant every such wish, the one with the least way up
-and down is taken.
+the TCP's height all but evenly from corner to corner. What it passes asks for a height at a share
+of the way; the way is drawn tight over all such wishes.
 """
 
 from __future__ import annotations
@@ -16,9 +15,10 @@ import numpy as np
 from cellctl.assembling.obstacles import TOUCH_M, Body, Obstacles
 from cellctl.assembling.poses import Floats, Matrix, inverse
 
-_CHOICES = 16
-_HIGHER_M = 0.15
-"""A way that begins this much higher than it must may end lower in return."""
+_CORNERS = 2
+"""More of them would only slow the arm down."""
+_STRAIGHT_M = 0.004
+"""A corner this little above the straight way is none: the way is checked as it is."""
 
 
 class Wishes(NamedTuple):
@@ -66,24 +66,40 @@ def wishes(
     return Wishes(strict, leaving)
 
 
-def heights_m(
+def profile(
     wanted_m: Floats, start_m: float, end_m: float, bulge_m: Floats
-) -> tuple[float, float]:
-    """Heights of the TCP at which the way across begins and ends.
+) -> list[tuple[float, float]]:
+    """The lowest way across that never turns upward: like a string that is drawn tight over what
+    the heights must not be less than.
 
     Args:
         wanted_m: least heights at even shares of the way.
         start_m: height from which the arm comes; it begins no lower.
         end_m: height to which it goes; it ends no lower.
-        bulge_m: how much higher the way is at each share than an even one.
+        bulge_m: how much higher than even the way is at each share.
+
+    Returns:
+        Shares of the way and heights, from (0, ...) to (1, ...), at most ``_CORNERS`` between them.
     """
-    share = np.linspace(0.0, 1.0, len(wanted_m))[1:-1]
-    need = (wanted_m - bulge_m)[1:-1]
-    from_m = max(start_m, float(wanted_m[0]))
-    to_m = max(end_m, float(wanted_m[-1]))
-    highest_m = max(from_m, float(need.max(initial=from_m))) + _HIGHER_M
-    firsts = np.linspace(from_m, highest_m, _CHOICES)
-    asked = (need - (1.0 - share) * firsts[:, None]) / share
-    lasts = np.maximum(to_m, asked.max(axis=1, initial=to_m))
-    best = int(np.argmin(firsts + lasts))
-    return float(firsts[best]), float(lasts[best])
+    heights = wanted_m - bulge_m
+    heights[0], heights[-1] = max(start_m, wanted_m[0]), max(end_m, wanted_m[-1])
+    hull: list[tuple[float, float]] = []
+    for x, y in zip(np.linspace(0.0, 1.0, len(heights)).tolist(), heights.tolist(), strict=True):
+        while len(hull) >= 2 and _turns_upward(hull[-2], hull[-1], (x, y)):
+            hull.pop()
+        hull.append((x, y))
+    return hull if len(hull) <= _CORNERS + 2 else [hull[0], _meet(hull), hull[-1]]
+
+
+def _turns_upward(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
+    """Whether b is not above the straight way from a to c."""
+    rise = a[1] + (c[1] - a[1]) * (b[0] - a[0]) / (c[0] - a[0])
+    return b[1] <= rise + _STRAIGHT_M
+
+
+def _meet(hull: list[tuple[float, float]]) -> tuple[float, float]:
+    """Where the first and the last edge would meet; all corners between them are below that."""
+    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = hull[0], hull[1], hull[-2], hull[-1]
+    up, down = (y1 - y0) / (x1 - x0), (y3 - y2) / (x3 - x2)
+    x = (y3 - y0 + up * x0 - down * x3) / (up - down)
+    return x, y0 + up * (x - x0)

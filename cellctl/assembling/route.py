@@ -15,6 +15,7 @@ from cellctl.assembling.arm import Path
 from cellctl.assembling.frames import Frames
 from cellctl.assembling.hand_routes import HandRoutes
 from cellctl.assembling.kinematics import Kinematics, same_configuration
+from cellctl.assembling.latch_gripper import STEADY_S
 from cellctl.assembling.poses import Matrix, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
 from cellctl.assembling.route_finder import RouteFinder
@@ -26,13 +27,22 @@ from cellctl.errors import PlanError
 __all__ = ["Route", "RoutePlanner", "Stance", "StepRoute"]
 
 
+SETTING_OUT_S = 0.06
+"""Between an act of the gripper and a movement: what was done is written down, the gate of the path
+opens, and its end is seen; measured in the emulated cell at its own speed."""
+
+
+TOUCH_S = 0.3
+"""To move a fraction of a millimetre and feel; measured in the emulated cell at its own speed."""
+
+
 class StepRoute(Value):
     """What the placement of one part takes."""
 
     clearance_m: float
     """Height of the TCP above the floor at which the part crosses."""
     duration_s: float
-    """Both movements, without the gripper's own time."""
+    """Both movements, and what the arm stands meanwhile."""
 
 
 class RoutePlanner:
@@ -52,6 +62,12 @@ class RoutePlanner:
         home_rad = config.robot.home_rad
         self.home = Stance(self._tcp_of(home_rad), home_rad)
         self._finder = RouteFinder(config, self._frames, self._checker)
+        lines = config.gripper
+        self.closing_s = SETTING_OUT_S + lines.latch_s + STEADY_S
+        """What a movement to a part costs beside its way: being set out for, and the latch."""
+        self.opening_s = SETTING_OUT_S + max(lines.release_s, STEADY_S)
+        """The same of a movement with a part to where it is let go."""
+        self._touch_s = TOUCH_S if config.robot.touch_depth_m > 0.0 else 0.0
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
         self._taking = TakeOffRoutes(config, self._frames, self._checker)
 
@@ -268,9 +284,17 @@ class RoutePlanner:
         start = self.home if previous is None else self.place_stance(previous)
         fetch = self.to_pick(start, placed)
         bring = self.to_cell(cell, placed, fetch.end)
+        standing_s = self.closing_s + self.placing_s(cell, placed)
         return StepRoute(
-            clearance_m=bring.crossing_height_m, duration_s=fetch.duration_s + bring.duration_s
+            clearance_m=bring.crossing_height_m,
+            duration_s=fetch.duration_s + bring.duration_s + standing_s,
         )
+
+    def placing_s(self, cell: Cell, placed: Collection[Cell]) -> float:
+        """What bringing a part to a cell costs beside its way: being set out for, the latch, and
+        what is felt there."""
+        column = all(Cell(cell.x, cell.y, z) in placed for z in range(cell.z))
+        return self.opening_s + self._touch_s * (2 if column else 1)
 
     def reachable(self, cell: Cell) -> bool:
         """Whether a part can be brought to a cell, with its approach, where nothing else stands."""

@@ -17,7 +17,7 @@ from cellctl.assembling.frames import Frames
 from cellctl.assembling.kinematics import as_joints
 from cellctl.assembling.limits import Use, leading_shares
 from cellctl.assembling.obstacles import TOUCH_M
-from cellctl.assembling.poses import to_matrix
+from cellctl.assembling.poses import Floats, Matrix, to_matrix
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
 from cellctl.assembling.shaping import Shape, Shaper
 from cellctl.assembling.timing import Timing
@@ -55,7 +55,7 @@ class RouteFinder:
         shapes = (
             iter([only])
             if only is not None
-            else self._shaper.shapes(self._levels_m(start, goal, scene))
+            else self._shaper.shapes(self._levels(start, goal, scene))
         )
         refused: PlanError | None = None
         plainest = False
@@ -97,9 +97,9 @@ class RouteFinder:
             end=Stance(path[-1].pose, end_rad),
         )
 
-    def _levels_m(self, start: Stance, goal: Stance, scene: Scene) -> list[tuple[float, float]]:
-        """Pairs of heights at which the way across may begin and end, above the floor; the first
-        one leads away from what stands beside its beginning without passing over it."""
+    def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
+        """Ways across, by their heights; the first one leads away from what stands beside its
+        beginning without passing over it."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
         level_m = max(from_m, to_m) + self._pitch_m
@@ -115,11 +115,30 @@ class RouteFinder:
             cell_from_base=self._frames.cell_from_base,
         )
         bulge_m = heights - level_m
-        strict = crossing.heights_m(wanted.strict_m, from_m, to_m, bulge_m)
+
+        def level(wanted_m: Floats, begin_m: float) -> Shape:
+            (_, first_m), *between, (_, last_m) = crossing.profile(wanted_m, begin_m, to_m, bulge_m)
+            tcps = [
+                self._frames.raised(_pose(points, rotations, share), height_m)
+                for share, height_m in between
+            ]
+            return Shape(first_m, last_m, 0.0, tuple(tcps))
+
+        strict = level(wanted.strict_m, from_m)
         if np.array_equal(wanted.strict_m, wanted.leaving_m):
             return [strict]
-        lifted_m = from_m + self._clearance_m
-        return [crossing.heights_m(wanted.leaving_m, lifted_m, to_m, bulge_m), strict]
+        return [level(wanted.leaving_m, from_m + self._clearance_m), strict]
+
+
+def _pose(points: Floats, rotations: Floats, share: float) -> Matrix:
+    """TCP pose at a share of evenly spaced samples: the next one's orientation, for they are
+    close."""
+    at = share * (len(points) - 1)
+    before = min(int(at), len(points) - 2)
+    pose = np.eye(4)
+    pose[:3, :3] = rotations[round(at)]
+    pose[:3, 3] = points[before] + (at - before) * (points[before + 1] - points[before])
+    return pose
 
 
 def _paced(path: Path, course: Course, timing: Timing) -> Path:

@@ -7,15 +7,21 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from cellctl.assembling.arm import JointWaypoint, Path, Waypoint
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.poses import Matrix, distance, to_pose
+from cellctl.assembling.poses import Floats, Matrix, distance, to_pose
+from cellctl.assembling.rounded import turn_rad
 from cellctl.assembly import Cell
 from cellctl.config import CellConfig
 
 _SAME_PLACE_M = 0.002
 _SAME_TURN_RAD = 0.01
 _SLOW_BLEND_M = 0.002
+_THROUGH_BLEND_M = 0.006
+_CORNER_SHARE = 0.7
+"""Of a piece of a way up or down that ends at the way across: so much of it is for the curve."""
 _BLEND_SHARE = 0.9
 _SHARED_BLEND_SHARE = 0.45
 """Largest share of a leg that one blend may use, so that two never overlap: of a leg that it has
@@ -38,6 +44,8 @@ class Shape(NamedTuple):
     last_m: float
     """Height at which it ends."""
     blend_m: float
+    between: tuple[Matrix, ...] = ()
+    """TCP poses at which the way across changes its slope."""
     upright: bool = True
     """The ways up and down are cut so short that the joints going straight keep to the line."""
 
@@ -47,6 +55,10 @@ class Corner(NamedTuple):
 
     tcp: Matrix
     slow: bool
+    through: bool = False
+    """It only cuts a way up or down, which goes straight on."""
+    across: bool = False
+    """It is a corner of the way across, far from anything else: it may be rounder."""
 
 
 class Shaper:
@@ -79,25 +91,27 @@ class Shaper:
             return Shape(height_m, height_m, 0.0)
         return Shape(self._plane_m, self._plane_m, 0.0) if self._square else None
 
-    def shapes(self, levels_m: Sequence[tuple[float, float]]) -> Iterator[Shape]:
+    def shapes(self, levels: Sequence[Shape]) -> Iterator[Shape]:
         """Shapes worth trying, the quick ones first.
 
         Args:
-            levels_m: pairs of heights at which the way across may begin and end.
+            levels: ways across, their blends still to be chosen.
         """
-        # Where the gripper moves sideways, so much of the clearance may be cut off by a curve.
-        # Wider ones ask for a higher way, and were not found to be quicker.
+        # A curve may cut off the clearance that a corner has. Wider ones would ask for a higher
+        # way, and were not found to be quicker.
+        blend_m = min(self._robot.blend_radius_m, self._robot.clearance_m)
+        for level in levels:
+            yield level._replace(blend_m=blend_m, upright=False)
         spare_m = self._robot.clearance_m - self._robot.margin_m
         blend_m = max(0.0, min(self._robot.blend_radius_m, spare_m))
-        for first_m, last_m in levels_m:
-            yield Shape(first_m, last_m, blend_m, upright=False)
-        for first_m, last_m in levels_m:
-            yield Shape(first_m, last_m, blend_m)
-        highest_m = max(levels_m[-1])
+        for level in levels:
+            yield level._replace(blend_m=blend_m)
+        heights = [self._frames.height_m(tcp) for tcp in levels[-1].between]
+        highest_m = max(levels[-1].first_m, levels[-1].last_m, *heights)
         for up in range(_HIGHER + 1):
             level_m = highest_m + up * self._pitch_m
             yield Shape(level_m, level_m, blend_m)
-        yield Shape(*levels_m[-1], blend_m=0.0)
+        yield levels[-1]._replace(blend_m=0.0)
 
     def corners(self, here: Matrix, there: Matrix, shape: Shape) -> list[Corner]:
         """Corners of a path of this shape, without its start; none where there is no way to go."""
@@ -105,6 +119,7 @@ class Shaper:
         found: list[Corner] = []
         if not stacked(here, there):
             found += self._climb(here, shape.first_m, slow_m, shape)
+            found += [Corner(tcp, slow=False, across=True) for tcp in shape.between]
             found.append(Corner(self._frames.raised(there, shape.last_m), slow=False))
             here = found[-1].tcp
         fall_m = self._frames.height_m(here) - self._frames.height_m(there)
@@ -176,19 +191,27 @@ class Shaper:
         to the way across leaves the rest of it to its own speed."""
         if self._square:
             return [1.0]
-        if shape.upright:
-            steps = max(1, math.ceil(length_m / _UPRIGHT_M))
-            return [(i + 1) / steps for i in range(steps)]
-        corner_m = shape.blend_m / _SHARED_BLEND_SHARE
-        return [1.0 - corner_m / length_m, 1.0] if length_m > 2.0 * corner_m > 0.0 else [1.0]
+        corner_m = shape.blend_m / _CORNER_SHARE
+        rest_m = length_m - corner_m
+        if rest_m < corner_m or corner_m <= 0.0:
+            corner_m, rest_m = 0.0, length_m
+        steps = max(1, math.ceil(rest_m / _UPRIGHT_M)) if shape.upright else 1
+        cuts = [(i + 1) / steps * rest_m / length_m for i in range(steps)]
+        return [*cuts, 1.0] if corner_m > 0.0 else cuts
 
     def _upright(self, here: Matrix, height_m: float, cuts: Sequence[float]) -> list[Corner]:
         """Straight up or down, in pieces."""
         begun_m = self._frames.height_m(here)
         way_m = height_m - begun_m
-        return [
-            Corner(self._frames.raised(here, begun_m + way_m * cut), slow=False) for cut in cuts
-        ]
+        tcps = [self._frames.raised(here, begun_m + way_m * cut) for cut in cuts]
+        return [Corner(tcp, slow=False, through=i + 1 < len(tcps)) for i, tcp in enumerate(tcps)]
+
+    def _round_m(self, arriving: Floats, leaving: Floats) -> float:
+        """How round a corner of the way across may be: its curve cuts off what the clearance leaves
+        beyond the margin, and no more."""
+        turn = turn_rad(-arriving, np.zeros(3), leaving)
+        spare_m = max(0.0, self._robot.clearance_m - self._robot.margin_m)
+        return min(self._robot.blend_radius_m, spare_m / max(math.tan(turn / 4.0), 1e-6))
 
     def _radii_m(self, start: Matrix, corners: Sequence[Corner], shape: Shape) -> list[float]:
         """Radii of the corners, none so wide that it meets the next."""
@@ -199,21 +222,34 @@ class Shaper:
         ways = [b[:3, 3] - a[:3, 3] for a, b in itertools.pairwise(poses)]
         lengths_m = [math.sqrt(float(way @ way)) for way in ways]
         # A blend is as slow as the slower of its legs, so it is kept short beside a slow one.
-        slow = [one.slow or other.slow for one, other in itertools.pairwise(corners)]
+        small = [
+            _SLOW_BLEND_M if one.slow or other.slow else _THROUGH_BLEND_M if one.through else 0.0
+            for one, other in itertools.pairwise(corners)
+        ]
         for i in range(len(corners) - 1):
-            last = i + 2 == len(corners)
-            before = _room_m(lengths_m[i], shared=not (i == 0 or slow[i - 1]))
-            after = _room_m(lengths_m[i + 1], shared=not (last or slow[i + 1]))
-            room_m = min(before, after)
-            radii[i] = round(min(_SLOW_BLEND_M if slow[i] else shape.blend_m, room_m), 6)
+            first, last = i == 0, i + 2 == len(corners)
+            room_m = min(
+                _room_m(lengths_m[i], 0.0 if first else small[i - 1], shared=not first),
+                _room_m(lengths_m[i + 1], 0.0 if last else small[i + 1], shared=not last),
+            )
+            wanted_m = small[i] or shape.blend_m
+            if corners[i].across and shape.blend_m > 0.0:
+                wanted_m = self._round_m(ways[i], ways[i + 1])
+            radii[i] = round(min(wanted_m, room_m), 6)
         return radii
 
 
-def _room_m(length_m: float, *, shared: bool) -> float:
-    """For a blend on a leg; one that has it for itself leaves room for a short one."""
-    if shared:
+def _room_m(length_m: float, other_m: float, *, shared: bool) -> float:
+    """For a blend on a leg.
+
+    Args:
+        length_m: of the leg.
+        other_m: the short blend at its other end; 0 for none, or one that is not short.
+        shared: there is one.
+    """
+    if shared and other_m == 0.0:
         return _SHARED_BLEND_SHARE * length_m
-    return max(0.0, _BLEND_SHARE * length_m - _SLOW_BLEND_M)
+    return max(0.0, _BLEND_SHARE * length_m - other_m)
 
 
 def stacked(here: Matrix, there: Matrix) -> bool:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from cellctl.assembly import PartOutcome
 from cellctl.cli.replies import state_words
 from cellctl.client import CellClient
 from cellctl.errors import CellctlError, ExitStatus
@@ -112,9 +113,16 @@ class Follower:
             x, y, z = data.outcome.cell
             self._console.print(
                 f"part {data.placed:>3} of {data.total}: [{x}, {y}, {z}] "
-                f"in {data.outcome.seconds:.1f} s",
+                f"in {data.outcome.seconds:.1f} s{_told(data.outcome)}",
                 markup=False,
             )
+
+
+def _told(outcome: PartOutcome) -> str:
+    """What was told for it, and what the arm waited for beyond that."""
+    told = f" (told {outcome.predicted_s:.1f})" if outcome.predicted_s is not None else ""
+    waited = f", {outcome.waited_s:.1f} s of them for the belt" if outcome.waited_s > 0.05 else ""
+    return told + waited
 
 
 @contextmanager

@@ -7,11 +7,10 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Literal
 
-from cellctl.assembly import BuildPlan, Cell, Request, Role, Utterance, Value
+from cellctl.assembly import BuildPlan, Cell, PartOutcome, Request, Role, Utterance, Value
 from cellctl.feeding.inventory import Counts, Move
 from cellctl.mesh import GeneratedMesh
 from cellctl.messages import Outcome as JobOutcome
-from cellctl.messages import PartOutcome
 
 Outcome = Literal["done", "failed", "interrupted"]
 

@@ -16,9 +16,10 @@ from functools import partial
 import structlog
 
 from cellctl.assembling.route import Route, Stance
-from cellctl.assembly import Cell, Step
+from cellctl.assembly import Cell, PartOutcome, Step
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
+from cellctl.control.act_report import ActReport, called
 from cellctl.control.acts import ActKind, Outcome
 from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
@@ -29,23 +30,11 @@ from cellctl.control.touch import Touch
 from cellctl.errors import CellFault, RefusedError, UsageError
 from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
-from cellctl.messages import PartOutcome, PartPlace
+from cellctl.messages import PartPlace
 
 log = structlog.get_logger(__name__)
 
-
-class _Report:
-    """What an act came to, where it did not simply succeed."""
-
-    def __init__(self) -> None:
-        self.reason = ""
-        self.moves: tuple[Move, ...] = ()
-        self.belt_indexes: int | None = None
-
-    def failed(self, reason: str, *moves: Move) -> None:
-        """It did not do what it should, and that is no fault yet."""
-        self.reason = reason
-        self.moves = moves
+_FREE = "off the part that was let go"
 
 
 class Builder:
@@ -88,6 +77,8 @@ class Builder:
         """A person has said that the part is in the gripper, whatever the latch confirms."""
         self._retries = 0
         self._waited_s = 0.0
+        self._latch_before_s = 0.0
+        self._routes_before_s = 0.0
         self._part_began_s: float | None = None
 
     # --- what is believed ---------------------------------------------------------------------
@@ -115,6 +106,8 @@ class Builder:
     def begin(self) -> None:
         """A new job: times and retries count from here."""
         self._part_began_s, self._waited_s, self._retries = None, 0.0, 0
+        self._latch_before_s = self._hands.waited_for_latch_s
+        self._routes_before_s = self._hands.waited_for_routes_s
 
     async def settle_cut(self, step: Step | None) -> None:
         """Decide what the acts came to that were cut off, by what the devices say now.
@@ -145,7 +138,7 @@ class Builder:
             routes.pick_stance().tcp_pose,
             routes.place_stance(cell).tcp_pose if cell is not None else None,
         )
-        settlement = settle(ledger, unsettled, evidence, _called(step))
+        settlement = settle(ledger, unsettled, evidence, called(step))
         for act in settlement.acts:
             self._journal.settle(act.act_id, act.outcome, act.detail, act.moves, act.belt_indexes)
         if settlement.missed:
@@ -176,7 +169,7 @@ class Builder:
     def doubt_unconfirmed(self, step: Step | None) -> None:
         """The latch does not confirm the part that counts as held; a person has to look."""
         assert self.ledger.holding, "only a part that counts as held can be missed"
-        self.doubt = unconfirmed(_called(step), self._hands.is_told_open())
+        self.doubt = unconfirmed(called(step), self._hands.is_told_open())
 
     def doubt_held(self, sentence: str, believed: PartPlace) -> None:
         """The part that counts as held may be elsewhere; a person has to look.
@@ -301,7 +294,14 @@ class Builder:
             self._end_feed("done")
             hands.expect_at(hands.routes.pick_stance())
             self._latch_moves(ActKind.PICK)
-            await hands.close()
+            step = job.step
+            assert step is not None, "a part is picked for a step"
+            await hands.foreseeing(
+                hands.close(),
+                str(step.cell),
+                lambda start, placed: hands.routes.to_cell(step.cell, placed, start),
+                self.standing,
+            )
             act.moves, act.belt_indexes = (Move.PICK,), belt.indexes
             self._lifted = self._vouched = False
         return True
@@ -317,7 +317,11 @@ class Builder:
         async with self._act(ActKind.PLACE, job) as act:
             routes = self._hands.routes
             move = asyncio.create_task(
-                self._travel(lambda start, placed: routes.to_cell(step.cell, placed, start), job)
+                self._travel(
+                    lambda start, placed: routes.to_cell(step.cell, placed, start),
+                    job,
+                    key=str(step.cell),
+                )
             )
             try:
                 lifted = await self._see_it_lift(move)
@@ -356,8 +360,8 @@ class Builder:
             if self.grip is Grip.PART:
                 await self._touch.seat(step.cell, self.standing, partial(self._travel, job=job))
             self._latch_moves(ActKind.RELEASE)
-            await self._hands.open()
-            await self._touch.free(step.cell, partial(self._travel, job=job))
+            await self._let_go(step.cell)
+            await self._touch.free(step.cell, partial(self._travel, job=job, key=_FREE))
             act.moves = (Move.PLACE,)
         now_s = self._clock.now_s()
         began_s = self._part_began_s if self._part_began_s is not None else now_s
@@ -366,12 +370,25 @@ class Builder:
             cell=step.cell,
             seconds=round(now_s - began_s, 3),
             waited_s=round(self._waited_s, 3),
+            latch_s=round(self._hands.waited_for_latch_s - self._latch_before_s, 3),
+            route_s=round(self._hands.waited_for_routes_s - self._routes_before_s, 3),
+            predicted_s=step.duration_s,
             retries=self._retries,
         )
         job.outcomes.append(outcome)
         job.standing = self.standing
         self._part_began_s, self._waited_s, self._retries = now_s, 0.0, 0
+        self._latch_before_s = self._hands.waited_for_latch_s
+        self._routes_before_s = self._hands.waited_for_routes_s
         return outcome
+
+    async def _let_go(self, cell: Cell) -> None:
+        """Open the latch, with the movement after it ready."""
+        freeing = self._touch.freeing(cell)
+        if freeing is None:
+            await self._hands.open()
+            return
+        await self._hands.foreseeing(self._hands.open(), _FREE, freeing, self.standing)
 
     async def retreat(self, job: Job) -> None:
         """Go up and home.
@@ -392,12 +409,14 @@ class Builder:
 
     # --- inside -------------------------------------------------------------------------------
 
-    async def _travel(self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job) -> None:
+    async def _travel(
+        self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job, key: str = ""
+    ) -> None:
         def began() -> None:
             if job.first_motion_s is None:
                 job.first_motion_s = self._clock.now_s()
 
-        await self._hands.travel(plan, self.standing, began)
+        await self._hands.travel(plan, self.standing, began, key=key)
 
     async def _see_it_lift(self, move: asyncio.Task[None]) -> bool:
         """Whether the part leaves the station with the gripper."""
@@ -440,11 +459,11 @@ class Builder:
         self._open_act = (self._act_id, kind)
 
     @asynccontextmanager
-    async def _act(self, kind: ActKind, job: Job) -> AsyncIterator[_Report]:
+    async def _act(self, kind: ActKind, job: Job) -> AsyncIterator[ActReport]:
         """An intent before, an outcome after, whatever happens between."""
         act_id = await self._intend(kind, job)
         self._act_id = act_id
-        report = _Report()
+        report = ActReport()
 
         def close(outcome: Outcome, detail: str) -> None:
             if self._open_act is not None and outcome != "done":
@@ -474,8 +493,3 @@ class Builder:
             step.index if step is not None else None,
             step.cell if step is not None else None,
         )
-
-
-def _called(step: Step | None) -> str:
-    """What people call the part of a step."""
-    return f"Part {step.index + 1}" if step is not None else "The part"

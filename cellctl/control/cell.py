@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable
 import structlog
 
 from cellctl.assembly import Cell as CellIndex
-from cellctl.assembly import Role
+from cellctl.assembly import PartOutcome, Role
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control import sentences
@@ -32,7 +32,6 @@ from cellctl.feeding.inventory import Counts, Move
 from cellctl.messages import (
     Outcome,
     PartData,
-    PartOutcome,
     PartPlace,
     StateData,
     StatusData,

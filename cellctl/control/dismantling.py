@@ -12,14 +12,13 @@ from typing import Literal
 import structlog
 
 from cellctl.assembling.route import Route, Stance
-from cellctl.assembly import Cell, Step, StepKind, TakeOff
+from cellctl.assembly import Cell, PartOutcome, Step, StepKind, TakeOff
 from cellctl.control.acts import ActKind
 from cellctl.control.building import Builder
 from cellctl.control.job import Grip, Job
 from cellctl.control.recovery import Doubt
 from cellctl.errors import CellFault
 from cellctl.feeding.inventory import Move
-from cellctl.messages import PartOutcome
 
 log = structlog.get_logger(__name__)
 

@@ -8,10 +8,20 @@ from datetime import datetime
 from enum import StrEnum
 from typing import TYPE_CHECKING, Self
 
-from cellctl.assembly import BuildPlan, Cell, Intent, Request, Role, Step, StepKind, Utterance
+from cellctl.assembly import (
+    BuildPlan,
+    Cell,
+    Intent,
+    PartOutcome,
+    Request,
+    Role,
+    Step,
+    StepKind,
+    Utterance,
+)
 from cellctl.control.acts import JobFiles, JobRecord
 from cellctl.control.states import Event
-from cellctl.messages import JobData, Outcome, PartOutcome
+from cellctl.messages import JobData, Outcome
 
 if TYPE_CHECKING:
     from cellctl.mesh import GeneratedMesh

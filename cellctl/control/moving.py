@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import structlog
 
 from cellctl.assembling.latch_gripper import STEADY_S
 from cellctl.assembling.route import Route, RoutePlanner, Stance
@@ -21,6 +23,18 @@ if TYPE_CHECKING:
     from cellctl.config import CellConfig
 
 _POLL_S = 0.02
+_SAME_JOINTS_RAD = 0.002
+
+log = structlog.get_logger(__name__)
+
+
+class _Foreseen(NamedTuple):
+    """A route that was planned, and prepared, before it is needed."""
+
+    key: str
+    start: Stance
+    standing: frozenset[Cell]
+    route: Route
 
 
 class ArmAndLatch:
@@ -40,6 +54,11 @@ class ArmAndLatch:
         self.routes = RoutePlanner(config)
         self._opened = False
         """The gripper has confirmed that it is open since it last closed."""
+        self._foreseen: _Foreseen | None = None
+        self.waited_for_routes_s = 0.0
+        """How long the arm has stood in all because its route was not planned yet (cell time)."""
+        self.waited_for_latch_s = 0.0
+        """The same because the latch moved."""
 
     def state(self) -> ArmState:
         """The newest state.
@@ -61,28 +80,93 @@ class ArmAndLatch:
         state = self.state()
         return Stance(state.tcp_pose, state.joints_rad)
 
+    async def foreseeing(
+        self,
+        latch: Awaitable[None],
+        key: str,
+        plan: Callable[[Stance, frozenset[Cell]], Route],
+        standing: frozenset[Cell],
+    ) -> None:
+        """Wait for the latch, and have the next route ready at the controller meanwhile.
+
+        Args:
+            latch: opens or closes it.
+            key: what the route is for; ``travel`` takes it up by this.
+            plan: makes the route from the arm's stance and what will stand.
+            standing: cells that will hold a part.
+
+        Raises:
+            CellFault: of the gripper.
+        """
+        foresight = asyncio.create_task(self._foresee(key, plan, standing))
+        try:
+            await latch
+            await foresight
+        finally:
+            foresight.cancel()
+            await asyncio.gather(foresight, return_exceptions=True)
+
+    async def _foresee(
+        self,
+        key: str,
+        plan: Callable[[Stance, frozenset[Cell]], Route],
+        standing: frozenset[Cell],
+    ) -> None:
+        self._foreseen = None
+        start = self.stance()
+        try:
+            route = await asyncio.to_thread(plan, start, standing)
+            if route.path:
+                await self.arm.prepare(route.path)
+        except (PlanError, CellFault) as error:
+            # Whoever sets out meets it again, and says so.
+            log.info("next route not prepared", route=key, reason=str(error))
+            return
+        self._foreseen = _Foreseen(key, start, standing, route)
+
+    async def _planned(
+        self, plan: Callable[[Stance, frozenset[Cell]], Route], standing: frozenset[Cell]
+    ) -> Route:
+        began_s = self._clock.now_s()
+        try:
+            return await asyncio.to_thread(plan, self.stance(), standing)
+        except PlanError as error:
+            raise CellFault("no_route", error.message) from error
+        finally:
+            self.waited_for_routes_s += self._clock.now_s() - began_s
+
+    def _take_foreseen(self, key: str, standing: frozenset[Cell]) -> Route | None:
+        """The route that was foreseen for this, if nothing has changed since."""
+        foreseen, self._foreseen = self._foreseen, None
+        if foreseen is None or foreseen.key != key or foreseen.standing != standing:
+            return None
+        here = self.stance()
+        turned_rad = max(
+            abs(a - b) for a, b in zip(here.joints_rad, foreseen.start.joints_rad, strict=True)
+        )
+        return foreseen.route if turned_rad < _SAME_JOINTS_RAD else None
+
     async def travel(
         self,
         plan: Callable[[Stance, frozenset[Cell]], Route],
         standing: frozenset[Cell],
         began: Callable[[], None] = lambda: None,
         speed_fraction: float = 1.0,
+        key: str = "",
     ) -> None:
-        """Plan a checked route from where the arm is, and follow it.
+        """Plan a checked route from where the arm is, unless it was foreseen, and follow it.
 
         Args:
             plan: makes the route from the arm's stance and what stands.
             standing: cells that hold a part.
             began: called when there is a way to go, before it begins.
             speed_fraction: share of the speeds that the route has.
+            key: what it is for, where it may have been foreseen.
 
         Raises:
             CellFault: ``no_route``, or of the arm.
         """
-        try:
-            route = await asyncio.to_thread(plan, self.stance(), standing)
-        except PlanError as error:
-            raise CellFault("no_route", error.message) from error
+        route = self._take_foreseen(key, standing) or await self._planned(plan, standing)
         if not route.path and route.joints is None:
             return
         began()
@@ -149,7 +233,9 @@ class ArmAndLatch:
         Raises:
             CellFault: of the gripper.
         """
+        began_s = self._clock.now_s()
         await self._gripper.unlatch()
+        self.waited_for_latch_s += self._clock.now_s() - began_s
         self._opened = True
 
     async def close(self) -> None:
@@ -159,7 +245,9 @@ class ArmAndLatch:
             CellFault: of the gripper.
         """
         self._opened = False
+        began_s = self._clock.now_s()
         await self._gripper.latch()
+        self.waited_for_latch_s += self._clock.now_s() - began_s
 
     def is_told_open(self) -> bool:
         """Whether the command line tells the latch to be open."""

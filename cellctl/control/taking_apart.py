@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 
+from cellctl.assembly import PartOutcome
 from cellctl.control.controller import Post
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.job import Grip, Job, Phase
 from cellctl.control.states import Event
-from cellctl.messages import PartOutcome
 
 _TAKEN = {
     "to_belt": Event.PARTED,

@@ -62,6 +62,16 @@ class Touch:
                 f"part is pressed with {pressed_n:.1f} N; {self._robot.touch_force_n:g} N are due.",
             )
 
+    def freeing(self, cell: Cell) -> Callable[[Stance, frozenset[Cell]], Route] | None:
+        """The movement that feels whether a part that is let go is free; None where nothing is
+        felt."""
+        depth_m = self._robot.touch_depth_m
+        if depth_m == 0.0:
+            return None
+        return lambda start, placed: self._hands.routes.near_seat(
+            cell, depth_m, placed, start, carrying=False
+        )
+
     async def free(self, cell: Cell, travel: Travel) -> None:
         """Rise a little from the part that was let go; back to its seat where it holds on.
 

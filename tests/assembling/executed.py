@@ -63,6 +63,8 @@ class Bench:
         self.world = World(config)
         self.seen = Executed()
         self.step_s = STEP_S
+        self.building_s = 0.0
+        """From the first fetch to the last part."""
         self.trace: list[list[float]] = []
         """Joint positions after each step."""
         self._show(0.0)
@@ -105,6 +107,7 @@ class Bench:
             self.follow(self.routes.to_cell(cell, placed, self.stance()))
             self.world.latch_opened()
             placed.append(cell)
+        self.building_s = self.seen.duration_s
         up = self.routes.retreat(self.stance(), placed, carrying=False)
         self.follow(up)
         self.follow(self.routes.to_home(self.stance(), placed, carrying=False))

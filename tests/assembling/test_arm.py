@@ -148,6 +148,44 @@ def test_an_abandoned_movement_does_not_go_on(emulator: Emulator) -> None:
     asyncio.run(scenario())
 
 
+def test_a_prepared_path_moves_nothing_until_it_is_followed(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            before = stance(arm)
+            path = away_from(before.tcp_pose)
+            await arm.prepare(path)
+            assert await arm.wait_input(0, True, 0.3) is False
+            assert stance(arm).joints_rad == before.joints_rad
+            uploads = emulator.truth()["counters"]["uploads"]
+            await arm.follow(path, 3.0)
+            assert math.dist(stance(arm).tcp_pose[:3], path[-1].pose[:3]) < 1e-3
+            assert emulator.truth()["counters"]["uploads"] == uploads
+
+    asyncio.run(scenario())
+    assert emulator.truth()["watchdog"]["trips"] == 0
+
+
+def test_what_was_prepared_is_dropped_by_whatever_else_is_ordered(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            before = stance(arm)
+            path = away_from(before.tcp_pose)
+            await arm.prepare(path)
+            await arm.stop()
+            assert emulator.truth()["speed_slider"] == 1.0
+            assert await arm.wait_input(0, True, 0.3) is False
+            assert stance(arm).joints_rad == before.joints_rad
+            await arm.prepare(path)
+            turned_rad = (*before.joints_rad[:5], before.joints_rad[5] - 0.2)
+            await arm.move_joints(turned_rad, 0.8)
+            assert stance(arm).joints_rad == pytest.approx(turned_rad, abs=2e-3)
+            await arm.prepare(path)
+            await arm.follow(path[:1], 3.0)
+            assert math.dist(stance(arm).tcp_pose[:3], path[0].pose[:3]) < 1e-3
+
+    asyncio.run(scenario())
+
+
 def test_stopping_an_arm_at_rest_is_no_fault(quick_emulator: Emulator) -> None:
     async def scenario() -> None:
         async with connected(quick_emulator.config) as arm:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from cellctl.assembly import Cell
+from cellctl.assembly import BuildPlan, Cell
 from cellctl.config import CellConfig
+from cellctl.errors import PlanError
+from cellctl.validating.plan import plan_cells
 from tests.assembling.executed import Bench, slab
+from tests.validating.solids import random_solid
 
 TOWERS = [Cell(x, y, z) for z in range(2) for x, y in ((1, 1), (4, 3))]
 BRIDGE = [*(Cell(x, 2, z) for z in range(3) for x in (1, 4)), Cell(2, 2, 2), Cell(3, 2, 2)]
@@ -33,3 +36,46 @@ def test_touches_nothing_keeps_every_limit_and_takes_as_long_as_told(
     if pace != "square":
         assert seen.hardest <= 1.03
     assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.02)
+
+
+def _plan(seed: int, config: CellConfig) -> BuildPlan | None:
+    """A verified plan of a random solid; None where the solid cannot be built as it is."""
+    try:
+        return plan_cells(random_solid(seed), config)
+    except PlanError:
+        return None
+
+
+def carry_out(seeds: range, config: CellConfig) -> int:
+    """Carry out the plans of random solids; returns how many there were.
+
+    Raises:
+        AssertionError: one touches something, exceeds a limit or takes longer than told; its seed
+            is in the message.
+    """
+    count = 0
+    for seed in seeds:
+        plan = _plan(seed, config)
+        if plan is None:
+            continue
+        count += 1
+        bench = Bench(config)
+        seen = bench.build(step.cell for step in plan.steps)
+        assert seen.violations == [], seed
+        assert bench.world.built == frozenset(plan.assembly.cells), seed
+        assert seen.fastest <= 1.0, seed
+        assert seen.hardest <= 1.05, seed
+        assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.05), seed
+    return count
+
+
+def test_plans_of_random_solids_are_carried_out(config: CellConfig) -> None:
+    assert carry_out(range(6), config) >= 2
+
+
+@pytest.mark.soak
+def test_2000_plans_of_random_solids_are_carried_out(config: CellConfig) -> None:
+    done, seed = 0, 0
+    while done < 2000:
+        done += carry_out(range(seed, seed + 50), config)
+        seed += 50

@@ -40,8 +40,9 @@ def routed(
             if step.kind is StepKind.PLACE:
                 if not holding:
                     fetch = planner.to_pick(at, now)
-                    at, took_s = fetch.end, fetch.duration_s
+                    at, took_s = fetch.end, fetch.duration_s + planner.closing_s
                 bring = planner.to_cell(step.cell, now, at)
+                took_s += planner.placing_s(step.cell, now)
                 now.add(step.cell)
                 holding = False
             else:
@@ -49,6 +50,7 @@ def routed(
                 now.discard(step.cell)
                 holding = after is not None and after.kind is StepKind.PLACE
                 bring = None if holding else planner.to_station(now, at)
+                took_s += 0.0 if holding else planner.opening_s
         except PlanError as error:
             what = "placed at" if step.kind is StepKind.PLACE else "taken from"
             raise PlanError(
@@ -59,7 +61,8 @@ def routed(
                 cells=(step.cell,),
             ) from error
         if bring is not None:
-            at, took_s, height_m = bring.end, took_s + bring.duration_s, bring.crossing_height_m
+            at, height_m = bring.end, bring.crossing_height_m
+            took_s += bring.duration_s
         steps.append(
             step.model_copy(
                 update={
@@ -78,4 +81,4 @@ def _taken(planner: RoutePlanner, step: Step, now: set[Cell], at: Stance) -> tup
     """Where the arm is when it has taken a part off, and how long that takes."""
     there = planner.to_grip(step.cell, now, at)
     off = planner.take_off(step.cell, step.take_off or _PULL, now, there.end)
-    return off.end, there.duration_s + off.duration_s
+    return off.end, there.duration_s + planner.closing_s + off.duration_s

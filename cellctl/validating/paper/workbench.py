@@ -104,7 +104,7 @@ class Worked:
     def routes(self) -> Timed:
         """The same order by the routes of this cell, from home to the last part, latch included."""
         planner = RoutePlanner(self._config)
-        total_s = self._latch_s
+        total_s = 0.0
         placed: set[Cell] = set()
         previous: Cell | None = None
         for cell in self._placed_order:
