@@ -156,13 +156,15 @@ class Link:
             self._not_playing_since_s = now_s
         # On a busy computer the newest state may still be from before an upload has ended: a
         # program counts as ended, and is fed no more, only when it is seen so for a while.
-        if now_s - self._kicked_at_s >= _KICK_PERIOD_S and not self._ended(now_s):
+        if now_s - self._kicked_at_s >= _KICK_PERIOD_S and not self.ended:
             self._kick(now_s)
         return sample
 
-    def _ended(self, now_s: float) -> bool:
+    @property
+    def ended(self) -> bool:
+        """Whether no program runs at the controller any more."""
         since_s = self._not_playing_since_s
-        return since_s is not None and now_s - since_s > _PROGRAM_GRACE_S
+        return since_s is not None and time.monotonic() - since_s > _PROGRAM_GRACE_S
 
     def check(self) -> None:
         """Raise what keeps the arm from moving.
@@ -172,7 +174,7 @@ class Link:
         """
         if (fault := safety_fault(self.sample)) is not None:
             raise fault
-        if self._ended(time.monotonic()):
+        if self.ended:
             raise CellFault(
                 "program_stopped",
                 f"The longest pause in feeding its watchdog was {self._longest_pause_s:.3f} s.",
@@ -182,7 +184,7 @@ class Link:
         """Put the speed slider to 0 and wait until the controller shows it.
 
         Raises:
-            CellFault: ``motion_timeout`` when it does not; nothing has moved then.
+            CellFault: ``motion_timeout`` when it does not; a stop opens the gate again.
         """
         if self.sample.speed_fraction >= GATE_OPEN_FRACTION:
             self.speed_fraction = self.sample.speed_fraction
@@ -190,7 +192,6 @@ class Link:
         deadline_s = time.monotonic() + _GATE_TIMEOUT_S
         while self.sample.speed_fraction >= GATE_OPEN_FRACTION:
             if time.monotonic() > deadline_s:
-                self._slide(self.speed_fraction)
                 raise CellFault("motion_timeout", "The speed slider does not go to 0.")
             yield
 
@@ -198,6 +199,14 @@ class Link:
         """Put the speed slider back to where it was before the gate was closed."""
         self.prepared = None
         self._slide(self.speed_fraction)
+
+    def gate_was_opened(self) -> bool:
+        """Whether somebody has moved the speed slider on the pendant, and with it the gate that a
+        path waits behind. Where they put it counts from now on."""
+        opened = self.prepared is not None and self.sample.speed_fraction >= GATE_OPEN_FRACTION
+        if opened:
+            self.speed_fraction = self.sample.speed_fraction
+        return opened
 
     def start_path(self, path: Path) -> None:
         """Upload a path and start it behind the closed gate, then arm the watchdog.
@@ -233,11 +242,13 @@ class Link:
         """Whether the control program still works on a movement."""
         return bool(self._control.getAsyncOperationProgressEx().isAsyncOperationRunning())
 
-    def brake(self) -> None:
-        """Begin to stop on the line; nothing where no program runs, as then nothing moves."""
+    def brake(self) -> bool:
+        """Begin to stop on the line; False where no program runs, as then nothing moves."""
         # Not the last round's state: a path's upload stops the program for a moment.
-        if self._receiver.refresh().runtime_state == PLAYING:
+        playing = self._receiver.refresh().runtime_state == PLAYING
+        if playing:
             self._control.stopL(STOP_DECELERATION_M_S2, True)
+        return playing
 
     def set_output(self, line: int, high: bool) -> Generator[None, None, None]:
         """Switch a standard digital output and wait until the controller shows it.

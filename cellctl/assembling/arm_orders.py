@@ -121,7 +121,7 @@ def stop(link: Link) -> Generator[None, None, None]:
     Raises:
         CellFault: ``motion_timeout`` when the arm does not come to rest.
     """
-    link.brake()
+    braked = link.brake()
     begun_s = link.sample.robot_time_s
     patience = _Patience(link, _STOP_TIMEOUT_S)
     # The newest state may be older than the order to brake, and show an arm that still stands.
@@ -129,11 +129,14 @@ def stop(link: Link) -> Generator[None, None, None]:
     while (
         link.sample.robot_time_s - begun_s < _SETTLED_S
         or not link.sample.at_rest
-        or (link.prepared is not None and link.under_way())
+        or (link.prepared is not None and (link.under_way() or not (braked or link.ended)))
     ):
         if patience.over:
             raise CellFault("motion_timeout", "The arm does not come to rest.")
         yield
+        # Right after an upload the newest state may still be one without a program.
+        if not braked and (braked := link.brake()):
+            begun_s = link.sample.robot_time_s
     link.open_gate()
 
 

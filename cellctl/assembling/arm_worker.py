@@ -115,6 +115,7 @@ class Worker:
             self._fail_all(fault)
             raise
         self._watch_daemon(link)
+        self._watch_gate(link)
         self._advance(link)
         # A daemon that does not read gets the answers once it does, but no stale states.
         if time.monotonic() - self._reported_at_s >= _REPORT_PERIOD_S and not self._unsent:
@@ -191,7 +192,8 @@ class Worker:
 
     def _advance(self, link: Link) -> None:
         """Resume everything that is under way."""
-        if self._movement is not None:
+        # A movement that begins waits for a stop of our own, which opens the gate at its end.
+        if self._movement is not None and None not in self._tasks:
             number, movement = self._movement
             try:
                 next(movement)
@@ -239,6 +241,11 @@ class Worker:
         silence_s = time.monotonic() - self._heard_at_s
         if silence_s > self._robot.robot.host_silence_s:
             self._end_movement("program_stopped", f"The daemon was silent for {silence_s:.1f} s.")
+            self._tasks.setdefault(None, arm_orders.stop(link))
+
+    def _watch_gate(self, link: Link) -> None:
+        """Stop the path that waits behind the gate when somebody else opens it."""
+        if self._movement is None and link.gate_was_opened():
             self._tasks.setdefault(None, arm_orders.stop(link))
 
     def _connect(self, order: Connect) -> None:

@@ -186,6 +186,25 @@ def test_what_was_prepared_is_dropped_by_whatever_else_is_ordered(emulator: Emul
     asyncio.run(scenario())
 
 
+def test_the_pendants_slider_does_not_set_a_prepared_path_going(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            before = stance(arm)
+            path = away_from(before.tcp_pose)
+            await arm.prepare(path)
+            emulator.tell("inject speed_slider fraction=0.5")
+            assert await arm.wait_input(0, True, 0.3) is False
+            assert math.dist(stance(arm).tcp_pose[:3], before.tcp_pose[:3]) < 2e-3
+            # Whoever moved it chose a speed.
+            assert emulator.truth()["speed_slider"] == 0.5
+            await arm.follow(path, 6.0)
+            assert math.dist(stance(arm).tcp_pose[:3], path[-1].pose[:3]) < 1e-3
+            assert emulator.truth()["speed_slider"] == 0.5
+
+    asyncio.run(scenario())
+    assert emulator.truth()["watchdog"]["trips"] == 0
+
+
 def test_stopping_an_arm_at_rest_is_no_fault(quick_emulator: Emulator) -> None:
     async def scenario() -> None:
         async with connected(quick_emulator.config) as arm:
