@@ -101,11 +101,12 @@ class Builder:
             return Grip.LATCHING if latching else Grip.RELEASING
         return Grip.PART if self.ledger.holding else Grip.NOTHING
 
-    # --- between jobs -------------------------------------------------------------------------
-
     def begin(self) -> None:
         """A new job: times and retries count from here."""
-        self._part_began_s, self._waited_s, self._retries = None, 0.0, 0
+        self._count_from(None)
+
+    def _count_from(self, began_s: float | None) -> None:
+        self._part_began_s, self._waited_s, self._retries = began_s, 0.0, 0
         self._latch_before_s = self._hands.waited_for_latch_s
         self._routes_before_s = self._hands.waited_for_routes_s
 
@@ -363,10 +364,17 @@ class Builder:
             await self._let_go(step.cell)
             await self._touch.free(step.cell, partial(self._travel, job=job, key=_FREE))
             act.moves = (Move.PLACE,)
+        job.outcomes.append(self._outcome(step))
+        job.standing = self.standing
+        return job.outcomes[-1]
+
+    def _outcome(self, step: Step) -> PartOutcome:
+        """What the step took, since the one before; the next one counts from here."""
         now_s = self._clock.now_s()
         began_s = self._part_began_s if self._part_began_s is not None else now_s
         outcome = PartOutcome(
             step=step.index,
+            kind=step.kind,
             cell=step.cell,
             seconds=round(now_s - began_s, 3),
             waited_s=round(self._waited_s, 3),
@@ -375,11 +383,7 @@ class Builder:
             predicted_s=step.duration_s,
             retries=self._retries,
         )
-        job.outcomes.append(outcome)
-        job.standing = self.standing
-        self._part_began_s, self._waited_s, self._retries = now_s, 0.0, 0
-        self._latch_before_s = self._hands.waited_for_latch_s
-        self._routes_before_s = self._hands.waited_for_routes_s
+        self._count_from(now_s)
         return outcome
 
     async def _let_go(self, cell: Cell) -> None:

@@ -165,7 +165,12 @@ class Cell:
         if not self.started:
             return Event.RESUME_STARTING
         job = self.active_job
-        return Event.RESUME_IDLE if job is None else job.resume_event(self.builder.grip)
+        if job is None:
+            return Event.RESUME_IDLE
+        if self.builder.putting_back_cut_off:
+            # Whatever the plan wants next: a job that is cancelled may have one part to place.
+            return Event.RESUME_PUTTING_BACK
+        return job.resume_event(self.builder.grip)
 
     async def record(
         self,
@@ -421,6 +426,7 @@ class Cell:
 
     async def _verify(self, post: Post) -> None:
         job = self._job()
+        await self._check_before_motion()
         outcome = await self.builder.release(job)
         self._show_part(job, outcome)
         post(self._next_event(job))

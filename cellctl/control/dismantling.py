@@ -49,6 +49,11 @@ class Dismantler(Builder):
             return Grip.GRIPPED
         return super().grip
 
+    def begin(self) -> None:
+        """A new job; a part that is in the gripper still was taken by no step of it."""
+        super().begin()
+        self._taken_step = None
+
     async def grip_standing(self, job: Job) -> None:
         """Go to the part that is to be taken off and close the latch on it.
 
@@ -79,6 +84,11 @@ class Dismantler(Builder):
     def taking_cut_off(self) -> bool:
         """Whether taking a part off was begun and has not ended."""
         return self._open_act is not None and self._open_act[1] is ActKind.TAKE_OFF
+
+    @property
+    def putting_back_cut_off(self) -> bool:
+        """Whether letting a part go at the pick station was begun and has not ended."""
+        return self._open_act is not None and self._open_act[1] is ActKind.PUT_BACK
 
     async def take_off(self, job: Job) -> Taken:
         """Part the gripped part from its neighbours and lift it clear; the belt makes room for it.
@@ -154,7 +164,7 @@ class Dismantler(Builder):
         hands = self._hands
         self._start_clock()
         if not hands.latched() and not self._vouched:
-            self.doubt_unconfirmed(job.step)
+            self.doubt_unconfirmed(self._brought_by(job))
             raise CellFault("gripper_silent", "It has ceased to confirm the part on the way.")
         async with self._act(ActKind.RETURN, job):
             if hands.is_at(hands.routes.pick_stance()):
@@ -164,8 +174,9 @@ class Dismantler(Builder):
             await self._belt.room_ready()
             await self._travel(lambda start, placed: hands.routes.to_station(placed, start), job)
 
-    async def put_back(self, job: Job) -> PartOutcome:
-        """Let the part go at the pick station and count it.
+    async def put_back(self, job: Job) -> PartOutcome | None:
+        """Let the part go at the pick station and count it; None where it was left over from a job
+        before this one, and no step of it is done.
 
         Raises:
             CellFault: of the gripper; ``gripper_silent`` when the latch has ceased to confirm its
@@ -173,7 +184,7 @@ class Dismantler(Builder):
         """
         hands = self._hands
         if self.misses_held() and not self._vouched:
-            self.doubt_unconfirmed(job.step)
+            self.doubt_unconfirmed(self._brought_by(job))
             raise CellFault("gripper_silent", "It has ceased to confirm the part on the way.")
         async with self._act(ActKind.PUT_BACK, job) as act:
             hands.expect_at(hands.routes.pick_stance())
@@ -181,12 +192,13 @@ class Dismantler(Builder):
             await hands.open()
             act.moves = (Move.PUT_BACK,)
         self._belt.room_was_used()
-        step = self._taken_step or job.step_before
-        assert step is not None, "a part that is put back was taken by a step"
-        self._taken_step = None
+        step, self._taken_step = self._brought_by(job), None
+        job.standing = self.standing
+        if step is None:
+            self._count_from(None)
+            return None
         outcome = self._outcome(step)
         job.outcomes.append(outcome)
-        job.standing = self.standing
         return outcome
 
     async def let_stand(self, job: Job) -> None:
@@ -250,31 +262,21 @@ class Dismantler(Builder):
     async def _intend(self, kind: ActKind, job: Job) -> int:
         if self._open_act is not None or kind not in {*_BACK, ActKind.LET_STAND}:
             return await super()._intend(kind, job)
-        step = self._taken_step or job.step_before if kind in _BACK else job.step
+        step = self._brought_by(job) if kind in _BACK else job.step
         cell = self.ledger.gripped if kind is ActKind.LET_STAND else None
         if cell is None and step is not None:
             cell = step.cell
         index = step.index if step is not None else None
         return await self._journal.intend(kind, job.job_id, index, cell)
 
+    def _brought_by(self, job: Job) -> Step | None:
+        """The step that took off the part which goes back; None where a job before this one left
+        it in the gripper."""
+        return self._taken_step or job.step_before
+
     def _start_clock(self) -> None:
         if self._part_began_s is None:
             self._part_began_s = self._clock.now_s()
-
-    def _outcome(self, step: Step) -> PartOutcome:
-        """What the step took, since the one before."""
-        now_s = self._clock.now_s()
-        began_s = self._part_began_s if self._part_began_s is not None else now_s
-        outcome = PartOutcome(
-            step=step.index,
-            kind=step.kind,
-            cell=step.cell,
-            seconds=round(now_s - began_s, 3),
-            waited_s=round(self._waited_s, 3),
-            retries=self._retries,
-        )
-        self._part_began_s, self._waited_s, self._retries = now_s, 0.0, 0
-        return outcome
 
 
 def _taken(job: Job) -> Step:

@@ -101,7 +101,9 @@ class ArmAndLatch:
         foresight = asyncio.create_task(self._foresee(key, plan, standing))
         try:
             await latch
+            began_s = self._clock.now_s()
             await foresight
+            self.waited_for_routes_s += self._clock.now_s() - began_s
         finally:
             foresight.cancel()
             await asyncio.gather(foresight, return_exceptions=True)

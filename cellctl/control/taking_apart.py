@@ -83,5 +83,6 @@ class TakingApart:
     async def put_back(self, job: Job, post: Post) -> None:
         """Let it go there."""
         outcome = await self._builder.put_back(job)
-        self._show(job, outcome)
+        if outcome is not None:
+            self._show(job, outcome)
         post(self._next_event(job))

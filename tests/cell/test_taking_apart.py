@@ -122,6 +122,35 @@ def test_cancelled_with_a_part_on_its_way_the_part_goes_to_the_belt(idle: Runnin
     idle.assert_inventory_true()
 
 
+def test_stopped_while_a_cancelled_change_lets_its_part_go_it_goes_on(idle: RunningCell) -> None:
+    build(idle)
+    idle.client.build("bar.json", bar(1, 1, 3))
+    idle.wait_state("disassembling_parting")
+    idle.client.command("cancel")
+    stop_in(idle, "disassembling_verifying")
+    idle.client.command("resume")
+    assert idle.finish().outcome == "cancelled"
+    assert idle.client.snapshot().inventory["belt"] == PARTS - 2
+
+
+def test_a_part_left_in_the_gripper_by_a_cancelled_job_goes_to_the_belt_first(
+    idle: RunningCell,
+) -> None:
+    build(idle)
+    idle.client.command("take_apart")
+    stop_in(idle, "disassembling_returning")
+    idle.client.command("cancel")
+    idle.wait("the end", lambda now: now.job is not None and now.job.outcome == "cancelled")
+    snapshot = idle.wait_state("paused_resting")
+    assert (len(snapshot.standing), snapshot.gripper.holding) == (2, "part")
+    idle.client.command("resume")
+    idle.wait_state("idle")
+    idle.client.command("take_apart")
+    expect_apart(idle)
+    # The part that was left over is no step of the second job.
+    assert [part.step for part in idle.client.snapshot().parts] == [0, 1]
+
+
 def test_a_part_that_was_to_stay_and_is_gone_ends_the_plan(idle: RunningCell) -> None:
     build(idle)
     idle.client.build("bar.json", bar(1, 1, 3))
