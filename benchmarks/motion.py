@@ -40,7 +40,7 @@ from tests.assembling.executed import Bench, Executed
 CONFIG = Path(__file__).parents[1] / "config" / "sim.toml"
 LATCH_TRAVEL_S = 0.35
 """Of the emulated latch, each way."""
-PAPER_S_A_PART = {"stool": 7.2, "shelf": 9.75, "letter T": 9.3, "table": 11.05}
+PAPER_S_A_PART = {"stool": 7.2, "shelf": 9.75, "letter t": 9.3, "table": 11.05}
 PACES: dict[str, dict[str, Any]] = {
     "square, 2 m/s, 1 m/s2": {
         "path": "square",
@@ -190,7 +190,7 @@ def main() -> None:
     bounds = {name: bound_s(config, order) for name, order in objects.items()}
     for name, order in objects.items():
         cells = [f"{built[name, pace].seconds / len(order):.2f}" for pace in PACES]
-        paper = f"{PAPER_S_A_PART.get(name, 0.0):.2f}"
+        paper = f"{PAPER_S_A_PART[name]:.2f}"
         table.add_row(f"{name} {len(order)}", paper, *cells, f"{bounds[name] / len(order):.2f}")
     total = {pace: sum(built[name, pace].seconds for name in objects) for pace in PACES}
     table.add_row(
