@@ -54,7 +54,13 @@ class TakeOffRoutes:
     def __init__(self, config: CellConfig, frames: Frames, checker: RouteChecker) -> None:
         self._frames = frames
         self._checker = checker
-        self._robot = config.robot
+        self._robot = robot = config.robot
+        # A part is in the gripper on all of these ways, or was a moment ago.
+        self._speed_m_s = min(robot.travel_speed_m_s, robot.carrying_speed_m_s)
+        self._parting_m_s = min(PARTING_SPEED_M_S, self._speed_m_s)
+        self._acceleration_m_s2 = min(
+            robot.travel_acceleration_m_s2, robot.carrying_acceleration_m_s2
+        )
         self._pitch_m = config.voxel.pitch_m
         self._base_from_workspace = frames.base_from_cell @ frames.cell_from_workspace
 
@@ -67,7 +73,7 @@ class TakeOffRoutes:
         above_m = self._frames.height_m(gripped) + self._pitch_m + self._robot.clearance_m
         lifted = self._frames.raised(parted, off_m)
         above = self._frames.raised(gripped, above_m)
-        slow, fast = PARTING_SPEED_M_S, self._robot.travel_speed_m_s
+        slow, fast = self._parting_m_s, self._speed_m_s
         return self._checked(
             start,
             [*((pose, slow) for pose in turned), (lifted, slow), (above, fast)],
@@ -78,7 +84,7 @@ class TakeOffRoutes:
         """Straight back to where a part is gripped; see ``RoutePlanner.back_to_grip``."""
         gripped = self._frames.place_tcp(cell)
         scene = self._checker.scene(others, carrying=True)
-        return self._checked(start, [(gripped, PARTING_SPEED_M_S)], scene)
+        return self._checked(start, [(gripped, self._parting_m_s)], scene)
 
     def near_seat(
         self,
@@ -95,7 +101,7 @@ class TakeOffRoutes:
         if math.dist(to_pose(goal)[:3], start.tcp_pose[:3]) > _NEAR_SEAT_M:
             raise PlanError("The arm is not at the part's seat.")
         scene = self._checker.scene(placed, carrying=carrying)
-        return self._checked(start, [(goal, PARTING_SPEED_M_S)], scene)
+        return self._checked(start, [(goal, self._parting_m_s)], scene)
 
     def upright(self, start: Stance, placed: Collection[Cell]) -> Route:
         """Up and upright; see ``RoutePlanner.upright``."""
@@ -109,7 +115,7 @@ class TakeOffRoutes:
         # Tilted as far as a peel tilts, its lowest corner hangs a little lower.
         clear_m = top_m + 1.1 * self._pitch_m + self._robot.clearance_m
         clear_m = max(clear_m, self._frames.height_m(here))
-        up = [(self._frames.raised(pose, clear_m), PARTING_SPEED_M_S) for pose in (here, level)]
+        up = [(self._frames.raised(pose, clear_m), self._parting_m_s) for pose in (here, level)]
         return self._checked(start, up, self._checker.scene(placed, carrying=True))
 
     def _turned(self, gripped: Matrix, cell: Cell, way: TakeOff, angle_rad: float) -> Matrix:
@@ -155,7 +161,7 @@ class TakeOffRoutes:
             Waypoint(
                 pose=pose,
                 speed_m_s=min(speed_m_s, leg.limit_m_s),
-                acceleration_m_s2=self._robot.travel_acceleration_m_s2,
+                acceleration_m_s2=self._acceleration_m_s2,
                 blend_radius_m=round(_BLEND_SHARE * min(lengths_m[i : i + 2]), 6)
                 if i + 1 < len(poses) and speed_m_s == way[i + 1][1]
                 else 0.0,

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cellctl.assembling.arm import Waypoint
 from cellctl.assembling.poses import distance, to_matrix
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembly import Cell, TakeOff
@@ -80,3 +81,13 @@ def test_what_stands_is_gripped_and_brought_to_the_station() -> None:
     off = PLANNER.take_off(TOP, EAST, COLUMN, there.end)
     back = PLANNER.to_station(COLUMN - {TOP}, off.end)
     assert back.end.tcp_pose == PLANNER.pick_stance().tcp_pose
+
+
+def test_a_part_that_is_taken_off_is_carried_no_faster_than_any_part() -> None:
+    limits = {"carrying_speed_m_s": 0.2, "carrying_acceleration_m_s2": 0.5}
+    robot = CONFIG.robot.model_copy(update=limits)
+    route = RoutePlanner(CONFIG.model_copy(update={"robot": robot})).take_off(TOP, EAST, COLUMN)
+    lines = [waypoint for waypoint in route.path if isinstance(waypoint, Waypoint)]
+    assert len(lines) == len(route.path)
+    assert max(line.speed_m_s for line in lines) == pytest.approx(0.2)
+    assert max(line.acceleration_m_s2 for line in lines) == pytest.approx(0.5)
