@@ -33,7 +33,14 @@ CHECKS = ["count", "connectivity", "grounded", "access", "order", "stability", "
 PAPER = CONFIG.model_copy(
     update={"planning": CONFIG.planning.model_copy(update={"policy": "paper"})}
 )
+
 PAPER_CHECKS = ["count", "overhang", "stack", "connectivity", "access", "reach"]
+
+
+def weakly_held(config: CellConfig) -> CellConfig:
+    """The same cell with magnets that do not bear a table on one leg."""
+    weak = config.stability.model_copy(update={"magnet_force_n": 8.0})
+    return config.model_copy(update={"stability": weak})
 
 
 def wish(
@@ -131,10 +138,7 @@ def test_a_plan_names_its_weakest_joint_and_when_it_bears_most() -> None:
 
 
 def test_the_papers_policy_asks_before_it_builds_what_its_joints_cannot_bear() -> None:
-    weak = PAPER.model_copy(
-        update={"stability": PAPER.stability.model_copy(update={"magnet_force_n": 8.0})}
-    )
-    (question,) = wish("table", {"legs": 1}, config=weak).questions
+    (question,) = wish("table", {"legs": 1}, config=weakly_held(PAPER)).questions
     assert "come apart in step" in question
     assert wish("letter", {"glyph": "T"}, config=PAPER).questions == ()
 
@@ -219,11 +223,12 @@ def test_a_plan_from_elsewhere_is_not_taken_on_trust() -> None:
 
 
 def test_a_plan_is_judged_by_the_policy_of_the_cell_and_not_by_its_own() -> None:
-    paper = wish("table", {"legs": 1}, config=PAPER)
+    weak = weakly_held(PAPER)
+    paper = wish("table", {"legs": 1}, config=weak)
     forged = paper.model_copy(update={"questions": ()})
     with pytest.raises(PlanError, match="rule of stability"):
-        plan_file("t.json", forged.model_dump_json().encode(), CONFIG)
-    (question,) = plan_file("t.json", forged.model_dump_json().encode(), PAPER).questions
+        plan_file("t.json", forged.model_dump_json().encode(), weakly_held(CONFIG))
+    (question,) = plan_file("t.json", forged.model_dump_json().encode(), weak).questions
     assert "come apart in step" in question
 
 
