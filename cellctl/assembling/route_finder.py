@@ -27,6 +27,8 @@ from cellctl.errors import PlanError
 _SAME_JOINTS_RAD = 0.5
 _FLUSH_M = 0.0008
 """Joints that go straight all the way may overlap this much with what a part stands beside."""
+_STRAIGHT_LIFT_M = 0.032
+"""Lifted so far and no way aside, a part comes off one that sticks to it on the belt."""
 
 
 class RouteFinder:
@@ -40,6 +42,7 @@ class RouteFinder:
 
     def __init__(self, config: CellConfig, frames: Frames, checker: RouteChecker) -> None:
         self._clearance_m = config.robot.clearance_m
+        self._lift_m = _STRAIGHT_LIFT_M + min(config.robot.blend_radius_m, self._clearance_m)
         self._pitch_m = config.voxel.pitch_m
         self._frames = frames
         self._checker = checker
@@ -58,13 +61,11 @@ class RouteFinder:
             else self._shaper.shapes(self._levels(start, goal, scene))
         )
         refused: PlanError | None = None
-        plainest = False
         for shape in shapes:
             try:
                 return self._shaped(start, goal, shape, scene)
             except PlanError as error:
-                if refused is None or (shape.upright and not plainest):
-                    refused, plainest = error, shape.upright
+                refused = error  # the last one is the plainest
         assert refused is not None, "some shape was tried"
         raise refused
 
@@ -102,6 +103,8 @@ class RouteFinder:
         beginning without passing over it."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
+        carrying = len(scene.bodies) > 1
+        leaving_m = max(self._clearance_m, self._lift_m if carrying else 0.0)
         level_m = max(from_m, to_m) + self._pitch_m
         ends = [self._frames.raised(pose, level_m) for pose in (here, there)]
         points, rotations = self._checker.tcp_between(start, *ends)
@@ -127,7 +130,7 @@ class RouteFinder:
         strict = level(wanted.strict_m, from_m)
         if np.array_equal(wanted.strict_m, wanted.leaving_m):
             return [strict]
-        return [level(wanted.leaving_m, from_m + self._clearance_m), strict]
+        return [level(wanted.leaving_m, from_m + leaving_m), strict]
 
 
 def _pose(points: Floats, rotations: Floats, share: float) -> Matrix:

@@ -38,6 +38,15 @@ def test_touches_nothing_keeps_every_limit_and_takes_as_long_as_told(
     assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.02)
 
 
+@pytest.mark.parametrize("cell", [Cell(0, 0, 0), Cell(5, 0, 0), Cell(0, 4, 0), Cell(5, 4, 0)])
+def test_a_part_comes_off_one_that_sticks_to_it_on_the_belt(
+    either_cell: CellConfig, cell: Cell
+) -> None:
+    bench = Bench(either_cell)
+    bench.world.stick_next_part()
+    assert bench.build([cell]).violations == []
+
+
 def _plan(seed: int, config: CellConfig) -> BuildPlan | None:
     """A verified plan of a random solid; None where the solid cannot be built as it is."""
     try:
