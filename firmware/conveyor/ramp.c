@@ -33,6 +33,9 @@ uint16_t ramp_interval(const struct ramp *ramp) {
 }
 
 void ramp_step(struct ramp *ramp) {
+    if (ramp->remaining == 0) {
+        return; /* told to stop before its first step: this one was the last */
+    }
     ramp->remaining--;
     if (ramp->level > ramp->remaining) {
         ramp->level--;

@@ -26,7 +26,10 @@ struct ramp {
 /* Compute the times between steps, once before any ramp. */
 void ramp_prepare(void);
 
-/* Plan to stop after this many steps, or as soon as deceleration allows. */
+/*
+ * Plan to stop after this many steps, or as soon as deceleration allows. A first step that is under
+ * way already is made all the same.
+ */
 void ramp_plan(struct ramp *ramp, uint16_t steps);
 
 /* Timer counts until the next step is due; 0 at rest. To be asked after ramp_plan from rest. */

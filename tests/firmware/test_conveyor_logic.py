@@ -267,6 +267,20 @@ def test_a_halt_brakes_and_the_next_index_begins_from_rest(board: ConveyorBoard)
     assert board.motor().position == pytest.approx(braking.position + 80 - PITCH_STEPS, abs=2)
 
 
+@pytest.mark.parametrize("letter", ["F", "B"])
+@pytest.mark.parametrize("after_ms", [0, 1, 2, 3, 4, 5, 10, 20])
+def test_a_halt_at_the_very_beginning_stops_it_too(
+    board: ConveyorBoard, letter: str, after_ms: int
+) -> None:
+    board.ask(letter, PITCH)
+    board.tick(after_ms)
+    begun = board.motor().steps
+    assert board.ask("H").kind is ReplyKind.OK
+    board.tick(200)
+    assert not board.motor().turning
+    assert board.motor().steps <= max(1, 2 * begun)
+
+
 def test_a_halt_tells_the_index_that_it_ended(board: ConveyorBoard) -> None:
     board.ask("F", PITCH, 9)
     board.tick(100)

@@ -24,7 +24,7 @@ from cellctl.boards.constants import (
     ReplyKind,
     ResetCause,
 )
-from cellctl.boards.line import Banner, Reply
+from cellctl.boards.line import Banner, CommandLine, Reply, encode_command
 from cellctl.sim.latch import LatchFault
 from cellctl.sim.world_values import Where
 from tests.firmware.loop.bench import BOOT_S, PITCH, STEP_S, Bench, conveyor, gripper
@@ -245,6 +245,17 @@ def test_a_halt_ends_the_index_for_good(belt: Bench) -> None:
     assert belt.host.ask(1, Command.FORWARD, PITCH).error is ErrorCode.STALE
     belt.advance(0.1)
     assert belt.conveyor.truth().travel_m == travel_m
+    assert belt.host.finish(3).kind is ReplyKind.OK
+
+
+@pytest.mark.parametrize("command", [Command.FORWARD, Command.BACKWARD])
+def test_a_halt_right_behind_its_index_lets_nothing_move(belt: Bench, command: Command) -> None:
+    lines = (CommandLine(1, command, PITCH), CommandLine(2, Command.HALT))
+    belt.host.write(b"".join(map(encode_command, lines)))
+    belt.advance(0.5)
+    truth = belt.conveyor.truth()
+    assert not truth.moving
+    assert truth.travel_m <= 0.0001
     assert belt.host.finish(3).kind is ReplyKind.OK
 
 
