@@ -28,8 +28,8 @@ PITCH_UNIT_M: Final = 0.0001
 """Unit of the argument of an index, in metres."""
 PITCH_MIN: Final = 200
 """Smallest argument of an index, in that unit (20 mm)."""
-PITCH_MAX: Final = 2500
-"""Largest argument of an index, in that unit (250 mm)."""
+PITCH_MAX: Final = 2750
+"""Largest argument of an index, in that unit (275 mm: the widest parts, and a tenth)."""
 SILENCE_S: Final = 0.2
 """A moving belt stops when no valid line came for this many seconds."""
 POLL_S: Final = 0.05

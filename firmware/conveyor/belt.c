@@ -7,8 +7,8 @@ enum { STEPS_PER_PITCH_UNIT = STEPS_PER_MM * (int)PROTOCOL_PITCH_UNIT_UM / 1000 
 
 _Static_assert(STEPS_PER_PITCH_UNIT * 1000L == STEPS_PER_MM * (long)PROTOCOL_PITCH_UNIT_UM,
                "a pitch is a whole number of steps, or errors would add up");
-_Static_assert(STEPS_PER_PITCH_UNIT * PROTOCOL_PITCH_MAX *
-                       PROTOCOL_TRAVEL_LIMIT_PITCHES_PERCENT / 100UL <= UINT16_MAX,
+_Static_assert(1UL * STEPS_PER_PITCH_UNIT * PROTOCOL_PITCH_MAX *
+                       PROTOCOL_TRAVEL_LIMIT_PITCHES_PERCENT / 100 <= UINT16_MAX,
                "the longest index fits");
 
 static void end(struct belt *belt, enum outcome outcome) {

@@ -59,6 +59,17 @@ def test_parts_come_one_after_another() -> None:
     asyncio.run(scenario())
 
 
+@pytest.mark.parametrize("pitch_m", [0.02, 0.25])
+def test_room_is_made_for_parts_of_every_size(pitch_m: float) -> None:
+    async def scenario() -> None:
+        async with bench(parts=1, pitch_m=pitch_m) as cell:
+            await cell.conveyor.present()
+            await cell.conveyor.make_room()
+            assert cell.world.ahead_m[0] >= pitch_m
+
+    asyncio.run(scenario())
+
+
 def test_a_part_that_lies_there_is_not_moved() -> None:
     async def scenario() -> None:
         async with bench() as cell:
