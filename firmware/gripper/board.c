@@ -21,6 +21,7 @@ static void start_pins(void) {
     PORTA.PART_CTRL = PORT_PULLUPEN_bm;
     TCA0.SINGLE.PER = servo_frame_counts - 1;
     VREF.CTRLA = VREF_ADC0REFSEL_1V1_gc;
+    VREF.CTRLB = VREF_ADC0REFEN_bm; /* always on: started anew it would not settle in time */
     ADC0.CTRLC = ADC_SAMPCAP_bm | ADC_REFSEL_VDDREF_gc | ADC_PRESC_DIV8_gc;
     ADC0.MUXPOS = ADC_MUXPOS_INTREF_gc;
     ADC0.CTRLA = ADC_ENABLE_bm;
