@@ -50,8 +50,10 @@ class LatchGripper:
         for attempt in range(self._lines.retries + 1):
             if attempt > 0:
                 _log.warning("gripper_latch_again", attempt=attempt)
-            # A latch that is closed already is opened, or its closing would prove nothing.
-            if attempt > 0 or not self._commanded_open():
+            # A latch that is closed already is opened, or its closing would prove nothing; and a
+            # status line that is high before it closes proves nothing either.
+            opened = attempt == 0 and self._commanded_open()
+            if not opened or not await self._status(high=False, timeout_s=0.0):
                 await self.unlatch()
             resets = self._resets()
             if await self._close():

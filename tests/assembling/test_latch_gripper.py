@@ -17,6 +17,7 @@ from tests.assembling.test_arm import connected
 pytestmark = pytest.mark.wire
 
 TRAVEL_S = 0.35
+HEARD_S = 0.3
 
 Behaviour = Callable[[bool, float], bool]
 """From the command line's level and the time since it changed to the status line's level."""
@@ -65,6 +66,15 @@ class Pins:
         async with asyncio.timeout(10):
             while True:
                 if bool(self._emulator.truth()["inputs"] & 1) == high:
+                    return
+                await asyncio.sleep(0.003)
+
+    async def heard(self) -> None:
+        """Wait for long enough that whoever listens to the controller has heard its newest."""
+        until_s = self._emulator.truth()["time_s"] + HEARD_S
+        async with asyncio.timeout(10):
+            while True:
+                if self._emulator.truth()["time_s"] >= until_s:
                     return
                 await asyncio.sleep(0.003)
 
@@ -173,6 +183,20 @@ def test_a_toggling_status_is_no_latch(config: CellConfig) -> None:
             with pytest.raises(CellFault) as caught:
                 await latch.latch()
             assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_a_status_that_is_high_before_the_latch_closes_is_no_latch(impatient: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(impatient) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = stuck_high
+            await pins.shown(high=True)
+            await pins.heard()
+            with pytest.raises(CellFault, match="stays high although") as caught:
+                await latch.latch()
+            assert caught.value.code == "gripper_silent"
 
     asyncio.run(scenario())
 
