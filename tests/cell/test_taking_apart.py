@@ -122,12 +122,19 @@ def test_cancelled_with_a_part_on_its_way_the_part_goes_to_the_belt(idle: Runnin
     idle.assert_inventory_true()
 
 
-def test_stopped_while_a_cancelled_change_lets_its_part_go_it_goes_on(idle: RunningCell) -> None:
+def test_a_cancelled_change_that_is_cut_off_while_it_lets_its_part_go_goes_on(
+    idle: RunningCell,
+) -> None:
     build(idle)
     idle.client.build("bar.json", bar(1, 1, 3))
     idle.wait_state("disassembling_parting")
     idle.client.command("cancel")
-    stop_in(idle, "disassembling_verifying")
+    idle.wait_state("disassembling_returning")
+    idle.world.inject("stuck_input", line=0, high=True)
+    expect_fault(idle, "gripper_silent")
+    idle.world.clear("stuck_input", line=0)
+    reset(idle)
+    assert idle.client.snapshot().gripper.holding == "releasing"
     idle.client.command("resume")
     assert idle.finish().outcome == "cancelled"
     assert idle.client.snapshot().inventory["belt"] == PARTS - 2
