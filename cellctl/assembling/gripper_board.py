@@ -36,6 +36,12 @@ RANGES: Final = {
     Command.TRAVEL: (TRAVEL_MIN_MS, TRAVEL_MAX_MS, "ms"),
 }
 """What each part of the calibration may be: least, most, and the unit."""
+LEAST_TURN_US: Final = 200
+"""Least difference of the two pulses; a latch that hardly turns would be confirmed all the same."""
+_OTHER_PULSE: Final = {
+    Command.LATCH_PULSE: Register.UNLATCH_PULSE,
+    Command.UNLATCH_PULSE: Register.LATCH_PULSE,
+}
 
 
 class LatchState(Value):
@@ -125,7 +131,7 @@ class GripperBoard:
             value: in the unit of its range.
 
         Raises:
-            UsageError: it is out of its range.
+            UsageError: it is out of its range, or too close to the other pulse.
             RefusedError: the latch moves.
         """
         least, most, unit = RANGES[setting]
@@ -133,6 +139,14 @@ class GripperBoard:
             raise UsageError(
                 f"{setting.name.lower()} = {value} {unit}: must be {least} to {most} {unit}."
             )
+        if setting in _OTHER_PULSE:
+            other = await self._carry_out(Command.READ, _OTHER_PULSE[setting])
+            if abs(value - other) < LEAST_TURN_US:
+                raise UsageError(
+                    f"{setting.name.lower()} = {value} us: the other pulse is {other} us, and with "
+                    f"less than {LEAST_TURN_US} us between them the latch would not turn.",
+                    "To swap the two, set one of them far from both first.",
+                )
         await self._carry_out(setting, value)
 
     async def keep(self) -> None:

@@ -129,6 +129,22 @@ def test_a_calibration_is_taken_within_its_range_and_counts_at_the_next_travel(
     asyncio.run(scenario())
 
 
+def test_two_pulses_between_which_the_latch_would_not_turn_are_refused() -> None:
+    async def scenario() -> None:
+        async with bench() as cell:
+            await cell.board.calibrate(Command.LATCH_PULSE, 1800)
+            await cell.board.calibrate(Command.UNLATCH_PULSE, 1600)
+            with pytest.raises(UsageError, match=r"unlatch_pulse = 1601 us: .* is 1800 us"):
+                await cell.board.calibrate(Command.UNLATCH_PULSE, 1601)
+            with pytest.raises(UsageError, match="would not turn"):
+                await cell.board.calibrate(Command.LATCH_PULSE, 1600)
+            registers = await cell.board.registers()
+            assert registers[Register.LATCH_PULSE] == 1800
+            assert registers[Register.UNLATCH_PULSE] == 1600
+
+    asyncio.run(scenario())
+
+
 def test_no_line_moves_the_latch_and_none_calibrates_a_moving_one() -> None:
     async def scenario() -> None:
         async with bench() as cell:
@@ -225,7 +241,7 @@ def test_no_old_line_is_obeyed_in_noise() -> None:
         async with bench(reply_timeout_s=0.02) as cell:
             await cell.board.connect()
             cell.emulator.inject("noise", share=0.15, delay_s=0.05)
-            for value in range(1000, 1050):
+            for value in range(1500, 1550):
                 with suppress(BoardLostError):
                     await cell.board.calibrate(Command.LATCH_PULSE, value)
                     told = cell.emulator.truth()["calibration"]["latch_pulse"]
