@@ -25,8 +25,9 @@ class Measures:
     legs: int = 2
     neck: int = 0
     """Height of its neck, one cell thick."""
-    head: Literal["broad", "narrow", "low"] = "broad"
-    """``broad``: as wide as its body, on top of it; ``narrow``: one cell; ``low``: before it."""
+    head: Literal["broad", "narrow", "low", "deep"] = "broad"
+    """``broad``: as wide as its body, on top of it; ``narrow``: one cell; ``low``: before it;
+    ``deep``: before it and a row further down, where its snout is."""
     snout: int = 1
     """How far it reaches forward of the head."""
     ears: int = 1
@@ -37,12 +38,16 @@ class Measures:
     trunk: bool = False
     """An elephant's, from the head down to the floor."""
     horn: Literal["none", "pair", "antlers", "one"] = "none"
-    hump: int = 0
-    """How many cells of hump on its back."""
+    carapace: int = 0
+    """Length of what lies on its back, as wide as that."""
+    humps: bool = False
+    """A camel's two, with a dip before each."""
     woolly: bool = False
     """A sheep's back is round: its corners are cut."""
     mane: bool = False
     """A lion's: its head is larger by a row above and below."""
+    crest: bool = False
+    """A unicorn's mane, behind its head."""
 
 
 ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
@@ -57,11 +62,11 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "unicorn": (
         ("unicorn",),
-        Measures(neck=1, head="narrow", ears=0, horn="one", tail="out"),
+        Measures(head="narrow", ears=0, crest=True, horn="one", tail="out"),
     ),
     "deer": (
         ("deer", "reindeer", "moose", "elk", "stag", "goat"),
-        Measures(tail="none", horn="antlers", ears=0),
+        Measures(tail="out", horn="antlers", ears=0),
     ),
     "cow": (
         ("cow", "bull", "ox", "buffalo", "calf"),
@@ -73,7 +78,7 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "pig": (
         ("pig", "piglet", "boar", "hippo", "rhino"),
-        Measures(body=3, legs=1, belly=2, head="low", snout=1, ears=1, tail="out"),
+        Measures(legs=1, belly=2, head="deep"),
     ),
     "elephant": (
         ("elephant", "mammoth"),
@@ -85,11 +90,7 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "camel": (
         ("camel", "dromedary", "llama", "alpaca"),
-        Measures(neck=1, head="narrow", ears=0, hump=1, tail="none"),
-    ),
-    "bear": (
-        ("bear", "teddy bear", "panda", "polar bear", "teddy"),
-        Measures(body=3, legs=1, belly=2, tail="none"),
+        Measures(body=5, neck=1, head="narrow", ears=0, humps=True, tail="none"),
     ),
     "lion": (
         ("lion",),
@@ -105,7 +106,7 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "turtle": (
         ("turtle", "tortoise"),
-        Measures(legs=1, head="low", snout=0, ears=0, hump=2, tail="none"),
+        Measures(legs=1, head="low", snout=0, ears=0, carapace=2, tail="none"),
     ),
 }
 """Nouns and measures, by family."""
@@ -136,42 +137,51 @@ def _cells(it: Measures, body: int, legs: int) -> set[tuple[int, int, int]]:
         cells -= {(x, y, top - 1) for x in (0, body - 1) for y in (0, 2)}
     cells |= _head(it, top)
     cells |= _tail(it, body, top)
-    if it.hump:
-        middle = range((body - 1) // 2, (body - 1) // 2 + it.hump)
-        cells |= {(x, _MID, top) for x in middle}
-        if it.hump > 1:
-            cells |= {(x, y, top) for x in middle for y in range(_DEPTH)}
+    if it.carapace:
+        first = (body - 1) // 2
+        cells |= {(first + k, y, top) for k in range(it.carapace) for y in range(_DEPTH)}
+    if it.humps:
+        cells |= {(x, y, top) for x in {max(1, body - 3), body - 1} for y in range(_DEPTH)}
     left = min(x for x, _, _ in cells)
     return {(x - left, y, z) for x, y, z in cells}
 
 
 def _head(it: Measures, top: int) -> set[tuple[int, int, int]]:
     """Before or above the front of the body, which begins at x = 0."""
-    at = -1 if it.head == "low" else 0
-    level = top - 1 if it.head == "low" else top + it.neck
-    cells = {(0, _MID, z) for z in range(top, level)}
-    across = range(_DEPTH) if it.head == "broad" else (_MID,)
+    before = it.head in ("low", "deep")
+    at = -1 if before else 0
+    level = top - 1 if before else top + it.neck
+    cells = {(at, _MID, z) for z in range(top, level)}
+    across = (_MID,) if it.head == "narrow" else range(_DEPTH)
     cells |= {(at, y, level) for y in across}
+    above = level + 1
+    if it.head == "deep":
+        level -= 1
+        cells |= {(at, y, level) for y in across}
     cells |= {(at - 1 - k, _MID, level) for k in range(it.snout)}
     if it.trunk:
         cells |= {(-1, y, level) for y in range(_DEPTH)}
         cells |= {(-2, _MID, z) for z in range(level + 1)}
+    if it.crest:
+        cells |= {(at + 1, _MID, level)}
     if it.mane:
         cells |= {(0, y, level + 1) for y in range(_DEPTH)}
         cells |= {(-1, y, z) for y in range(_DEPTH) for z in (level, level + 1)}
         cells |= {(-2, _MID, level)}
-    above = level + 1
-    pair = (0, 2) if it.head in ("broad", "low") else (_MID,)
-    # Nothing can be pressed onto a head that reaches out, so ears then stand on the shoulders.
+    pair = (_MID,) if it.head == "narrow" else (0, 2)
+    # Nothing can be pressed onto a head that is one thin row: ears then stand on the shoulders.
     shoulder, over = (0, top) if it.head == "low" else (at, above)
     cells |= {(shoulder, y, over + k) for y in pair for k in range(it.ears)}
     match it.horn:
         case "one":
-            cells |= {(at, _MID, above)}
+            cells |= {(at, _MID, above + k) for k in range(2)}
         case "pair":
             cells |= {(shoulder, y, over) for y in pair} | {(at, y, level) for y in range(_DEPTH)}
         case "antlers":
-            cells |= {(at, y, above + k) for y in pair for k in range(2)}
+            # Each with points forwards, backwards and outwards, which are held at their side.
+            cells |= {(at, y, above) for y in pair}
+            cells |= {(at + k, y, above + 1) for y in pair for k in (-1, 0, 1)}
+            cells |= {(at, y, above + 1) for y in (-1, _DEPTH)}
     return cells
 
 

@@ -26,15 +26,24 @@ def person(brief: Brief) -> Design:
 
 
 def robot(brief: Brief) -> Design:
-    """A square head with an antenna on a broad chest, two arms, two legs."""
+    """A square head with an antenna on a neck, and arms that are raised apart from it."""
     brief.count("legs", 2)
-    rows = (".###.", "#####", "#####", ".###.", ".#.#.")
-    _, depth, height = brief.size(5, 2, 6, least=(5, 1, 5))
+    rows = (".####.", "..##..", "######", ".####.", ".#..#.")
+    _, depth, height = brief.size(6, 2, 6, least=(6, 1, 5))
     drawn = (*rows[:2], *at_height(rows[2:], height - 3))
-    return Design(
-        brief.noun,
-        (*standing(drawn, depth), Box(2, depth - 1, len(drawn), 1, 1, 1)),
-    )
+    forearms = [Box(x, 0, height - 3, 1, 1, 1) for x in (0, 5)]
+    antenna = Box(2, depth - 1, height - 1, 1, 1, 1)
+    return Design(brief.noun, (*standing(drawn, depth), *forearms, antenna))
+
+
+def bear(brief: Brief) -> Design:
+    """Upright on its hind legs: round ears, a snout, a broad belly."""
+    brief.count("legs", 2)
+    rows = (".#.#.", ".###.", "#####", ".###.", ".###.", ".#.#.")
+    _, depth, height = brief.size(5, 3, 6, least=(5, 3, 5))
+    drawn = (*rows[:3], *at_height(rows[3:], height - 3))
+    snout = Box(2, 0, height - 2, 1, depth - 2, 1)
+    return Design(brief.noun, (*standing(drawn, 2, y=depth - 2), snout))
 
 
 def snake(brief: Brief) -> Design:
@@ -105,6 +114,7 @@ FAMILIES = (
         {"arms": Flag("Arms held out."), "legs": _STANDS},
     ),
     Family("robot", ("robot", "android"), robot, {"legs": _STANDS}),
+    Family("bear", ("bear", "teddy bear", "panda", "polar bear", "teddy"), bear, {"legs": _STANDS}),
     Family("snake", ("snake", "worm", "serpent"), snake),
     *(Family(name, drawing.nouns, _drawn(drawing)) for name, drawing in DRAWINGS.items()),
 )

@@ -10,12 +10,13 @@ _PLUS = (".....", "..#..", ".###.", "..#..", ".....")
 _SQUARE = (".....", ".###.", ".###.", ".###.", ".....")
 _DIAMOND = ("..#..", ".###.", "#####", ".###.", "..#..")
 _ROUND = (".###.", "#####", "#####", "#####", ".###.")
-_STAR = ("..#..", "..#..", "#####", "..#..", "..#..")
+_ARMED = (".....", "..#..", "#####", "..#..", ".....")
+_NOSED = (".....", ".....", "..#..", "..#..", ".....")
 
 
 def tree(brief: Brief) -> Design:
-    """A trunk with a round crown."""
-    return _grown(brief, trunk=2, crown=(_PLUS, _SQUARE, _SQUARE, _PLUS))
+    """A thin trunk with a broad crown."""
+    return _grown(brief, trunk=2, crown=(_SQUARE, _SQUARE, _SQUARE, _PLUS))
 
 
 def fir(brief: Brief) -> Design:
@@ -29,8 +30,8 @@ def mushroom(brief: Brief) -> Design:
 
 
 def snowman(brief: Brief) -> Design:
-    """Two balls of snow, a head, and two arms."""
-    return _grown(brief, trunk=0, crown=(_SQUARE, _SQUARE, _PLUS, _STAR, _DOT))
+    """A ball of snow, a smaller one with arms, a face with a nose, and a hat with a brim."""
+    return _grown(brief, trunk=0, crown=(_SQUARE, _SQUARE, _ARMED, _NOSED, _PLUS, _DOT))
 
 
 def _grown(brief: Brief, trunk: int, crown: tuple[tuple[str, ...], ...]) -> Design:

@@ -15,6 +15,7 @@ from cellctl.generating.families.brief import (
     counted,
     titled,
 )
+from cellctl.generating.families.forms import ring
 
 _MOST_TIERS = 6
 
@@ -77,28 +78,21 @@ def _shelf(brief: Brief, usual_tiers: int) -> Design:
 def box(brief: Brief) -> Design:
     """A box, open at the top unless a lid is asked for; its walls are one cell thick."""
     lid = brief.flag("lid", brief.noun in ("chest", "treasure chest"))
-    # Without a lid it is low, so that one sees into it.
-    usual = (4, 3, 3) if lid else (4, 4, 2)
-    width, depth, height = brief.size(*usual, least=(3, 3, 2 + lid))
-    right, rear = width - 1, depth - 1
-    boxes = [
-        Box(0, 0, 0, width, depth, 1),
-        Box(0, 0, 1, 1, depth, height - 1),
-        Box(right, 0, 1, 1, depth, height - 1),
-        Box(1, 0, 1, width - 2, 1, height - 1),
-        Box(1, rear, 1, width - 2, 1, height - 1),
-    ]
+    # Without a lid it is deep enough that one sees into it.
+    width, depth, height = brief.size(4, 3 if lid else 4, 3, least=(3, 3, 2 + lid))
+    walls = ring(0, 0, 1, width, depth, height - 1)
+    boxes = [Box(0, 0, 0, width, depth, 1), *walls]
     if lid:
         boxes.append(Box(0, 0, height - 1, width, depth, 1))
     return Design(titled(brief.noun, "a lid" if lid else ""), tuple(boxes))
 
 
 def drawers(brief: Brief) -> Design:
-    """A chest of drawers: each front stands out from the block, with room above it, and counts.
+    """A chest of drawers: the knob of each stands out from the block, and counts.
 
-    Up to three lie above each other; more stand in two columns.
+    Up to three lie above each other; more stand in two columns. It has feet where there is height.
     """
-    number = brief.count("drawers", 1 if brief.noun in _LOW else 3)
+    number = brief.count("drawers", _USUAL_DRAWERS.get(brief.noun, 4))
     columns = 1 if number <= 3 else 2
     rows = -(-number // columns)
     width, depth, height = brief.size(
@@ -109,17 +103,24 @@ def drawers(brief: Brief) -> Design:
     )
     if height < 2 * rows - 1:
         raise brief.refuse_short(counted(number, "drawer"), height)
-    front = width if columns == 1 else (width - 1) // 2
-    places = (0,) if columns == 1 else (0, width - front)
-    fronts = [(x, 2 * row) for row in range(rows) for x in places][:number]
+    feet = 1 if height >= 2 * rows else 0
+    places = (width // 2,) if columns == 1 else (1, width - 2)
+    knobs = [(x, feet + 2 * row) for row in range(rows) for x in places][:number]
     boxes = [
-        Box(0, 1, 0, width, depth - 1, height),
-        *(Box(x, 0, z, front, 1, 1) for x, z in fronts),
+        Box(0, 1, feet, width, depth - 1, height - feet),
+        *(Box(x, 1, 0, 1, depth - 1, feet) for x in (0, width - 1) if feet),
+        *(Box(x, 0, z, 1, 1, 1) for x, z in knobs),
     ]
     return Design(titled(brief.noun, counted(number, "drawer")), tuple(boxes))
 
 
-_LOW = ("nightstand", "night table", "bedside cabinet")
+_USUAL_DRAWERS = {
+    "nightstand": 1,
+    "night table": 1,
+    "bedside cabinet": 1,
+    "drawer": 1,
+    "filing cabinet": 3,
+}
 
 
 FAMILIES = (

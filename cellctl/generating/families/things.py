@@ -34,7 +34,22 @@ def mug(brief: Brief) -> Design:
 
 
 def pot(brief: Brief) -> Design:
-    """A round vessel, open at the top, on a foot."""
+    """A vessel, open at the top: a round bowl on a foot, or a cooking pot with two handles."""
+    return _bowl(brief) if brief.noun in _ROUND else _cooking_pot(brief)
+
+
+_ROUND = ("flower pot", "flowerpot", "bowl", "basket", "vase", "tub")
+
+
+def _cooking_pot(brief: Brief) -> Design:
+    height = brief.size(6, 4, 4, least=(6, 4, 2))[2]
+    rim, floor = (".##.", "#..#", "#..#", ".##."), (".##.", "####", "####", ".##.")
+    vessel = stacked((floor, *((rim,) * (height - 1))))
+    handles = [Box(x, 1, max(1, height - 2), 1, 2, 1) for x in (0, 5)]
+    return Design(brief.noun, (*(wall._replace(x=wall.x + 1) for wall in vessel), *handles))
+
+
+def _bowl(brief: Brief) -> Design:
     height = brief.size(5, 5, 3, least=(5, 5, 2))[2]
     rim = (".###.", "#...#", "#...#", "#...#", ".###.")
     floor = (".....", ".###.", ".###.", ".###.", ".....")
