@@ -130,8 +130,9 @@ LEAVES: tuple[str, ...] = tuple(
 """The states that the machine can rest in, as ``top`` or ``top_sub``."""
 
 MOTION_STATES = frozenset(
-    {"assembling_picking", "assembling_placing", "assembling_retreating", "paused_moving"}
+    {"assembling_picking", "assembling_placing", "assembling_verifying", "assembling_retreating"}
     | {"disassembling_gripping", "disassembling_parting", "disassembling_returning"}
+    | {"disassembling_verifying", "paused_moving"}
 )
 """States in which the arm may move: by its plan, or by an operator's hand."""
 
