@@ -69,7 +69,10 @@ class Dashboard:
             )
         except OSError as error:
             raise CellFault("robot_lost", f"{self._where}: {error.strerror or error}.") from error
-        self._lines = self._socket.makefile("r", encoding="utf-8", newline="\n")
+        self._received = bytearray()
+        self._owed = 1
+        """Replies that are still to come, the greeting and those that nobody waits for included."""
+        self._being_asked = False
         try:
             self._read()
         except CellFault:
@@ -87,7 +90,6 @@ class Dashboard:
 
     def close(self) -> None:
         """Let go of the connection."""
-        self._lines.close()
         self._socket.close()
 
     def asking(self, command: str) -> Generator[None, None, str]:
@@ -96,13 +98,22 @@ class Dashboard:
         Raises:
             CellFault: ``robot_lost`` when no reply comes.
         """
-        self._send(command)
         deadline_s = time.monotonic() + _REPLY_TIMEOUT_S
-        while not select.select([self._socket], [], [], 0.0)[0]:
-            if time.monotonic() > deadline_s:
-                raise CellFault("robot_lost", f"{self._where} does not answer.")
+        while self._being_asked:  # by an order that nobody may wait for any more
+            self._check(deadline_s)
             yield
-        return self._read()
+        self._being_asked = True
+        try:
+            self._send(command)
+            while (reply := self._newest()) is None:
+                if select.select([self._socket], [], [], 0.0)[0]:
+                    self._receive()
+                    continue
+                self._check(deadline_s)
+                yield
+            return reply
+        finally:
+            self._being_asked = False
 
     def identity(self, expected: Literal["ur10", "ur10e"]) -> ArmIdentity:
         """Who the controller is, if it is the one that is expected; waits for it.
@@ -190,15 +201,34 @@ class Dashboard:
             self._socket.sendall(f"{command}\n".encode())
         except OSError as error:
             raise CellFault("robot_lost", f"{self._where}: {error.strerror or error}.") from error
+        self._owed += 1
 
     def _read(self) -> str:
+        while (reply := self._newest()) is None:
+            self._receive()
+        return reply
+
+    def _receive(self) -> None:
         try:
-            line = self._lines.readline()
+            data = self._socket.recv(4096)
         except OSError as error:
             raise CellFault("robot_lost", f"{self._where} does not answer: {error}.") from error
-        if not line:
+        if not data:
             raise CellFault("robot_lost", f"{self._where} closed the connection.")
-        return line.rstrip("\r\n")
+        self._received += data
+
+    def _newest(self) -> str | None:
+        """The reply to the newest question, once it is there; older ones are dropped."""
+        while self._owed and b"\n" in self._received:
+            line, _, self._received = self._received.partition(b"\n")
+            self._owed -= 1
+            if not self._owed:
+                return line.decode("utf-8", "replace").rstrip("\r")
+        return None
+
+    def _check(self, deadline_s: float) -> None:
+        if time.monotonic() > deadline_s:
+            raise CellFault("robot_lost", f"{self._where} does not answer.")
 
 
 def _is_remote(reply: str) -> bool:
