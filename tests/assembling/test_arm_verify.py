@@ -62,6 +62,20 @@ def test_a_robot_as_it_should_be_passes_quickly(either_cell: CellConfig) -> None
         assert emulator.truth()["watchdog"]["trips"] == 0
 
 
+def test_a_check_that_was_given_up_does_not_spoil_the_next(emulator: Emulator) -> None:
+    async def scenario() -> None:
+        async with connected(emulator.config) as arm:
+            known = (await arm.verify()).identity
+            for _ in range(10):
+                given_up = asyncio.create_task(arm.verify())
+                await asyncio.sleep(0)  # it is ordered
+                given_up.cancel()
+                both = await asyncio.gather(arm.verify(), arm.verify())
+                assert [check.identity for check in both] == [known, known]
+
+    asyncio.run(scenario())
+
+
 def test_whatever_somebody_changes_on_the_pendant_is_named(emulator: Emulator) -> None:
     async def scenario() -> None:
         async with connected(emulator.config) as arm:
