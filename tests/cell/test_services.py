@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,13 +38,10 @@ def idle(cell: RunningCell, server: ContractServer) -> Iterator[RunningCell]:
 
 
 def test_a_sentence_is_answered_by_a_service_and_built(
-    idle: RunningCell, server: ContractServer
+    idle: RunningCell, server: ContractServer, test_data: Path
 ) -> None:
-    folder = os.environ.get("CELLCTL_TEST_DATA")
-    if not folder:
-        pytest.skip("CELLCTL_TEST_DATA is not set: the evaluation data is not at hand")
     it = server.behaviour
-    it.model = (Path(folder) / "meshes" / "meshy_chair.glb").read_bytes()
+    it.model = (test_data / "meshes" / "meshy_chair.glb").read_bytes()
     it.looks = [server.meshy_task("IN_PROGRESS", 50), server.meshy_task("SUCCEEDED", 100)]
     idle.visitor.say("I want a piano thirty centimetres high")
     job = idle.finish()

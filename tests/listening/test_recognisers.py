@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import os
 import shutil
 from pathlib import Path
 
@@ -54,11 +53,8 @@ def test_stop_is_heard_as_stop(whisper: Recogniser, speak: Speak) -> None:
     assert (request.intent, request.command) == (Intent.CONTROL, "stop")
 
 
-def test_a_doubtful_stop_is_a_stop(whisper: Recogniser) -> None:
-    folder = os.environ.get("CELLCTL_TEST_DATA")
-    if not folder:
-        pytest.skip("CELLCTL_TEST_DATA does not name the folder with the evaluation data")
-    samples = read_wav(Path(folder) / "speech" / "flite_slt" / "40.wav", 30.0)
+def test_a_doubtful_stop_is_a_stop(whisper: Recogniser, test_data: Path) -> None:
+    samples = read_wav(test_data / "speech" / "flite_slt" / "40.wav", 30.0)
     transcript = whisper.transcribe(samples)
     assert transcript.confidence < math.exp(MIN_AVG_LOGPROB), "this one is below the gate"
     assert read_request(transcript.text).command == "stop"

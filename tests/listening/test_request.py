@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 import string
 from pathlib import Path
 
@@ -259,13 +258,10 @@ def test_any_order_of_known_words_gives_some_request(text: str) -> None:
         assert request.count >= 1
 
 
-def test_the_evaluation_sentences() -> None:
-    folder = os.environ.get("CELLCTL_TEST_DATA")
-    if not folder:
-        pytest.skip("CELLCTL_TEST_DATA does not name the folder with the evaluation data")
+def test_the_evaluation_sentences(test_data: Path) -> None:
     verdicts = [
         (gold["split"], benchmark.judge(gold, read_request(gold["text"])))
-        for gold in benchmark.load(Path(folder))
+        for gold in benchmark.load(test_data)
     ]
     paper = [verdict for split, verdict in verdicts if split == "paper"]
     assert len(paper) == 12
