@@ -118,9 +118,14 @@ class Scene(NamedTuple):
     obstacles: tuple[Obstacles, ...]
 
     @property
+    def carrying(self) -> bool:
+        """Whether a part moves with the gripper."""
+        return len(self.bodies) > 1
+
+    @property
     def what(self) -> str:
         """What moves, in words."""
-        return "part it carries" if len(self.bodies) > 1 else "empty gripper"
+        return "part it carries" if self.carrying else "empty gripper"
 
 
 class RouteChecker:

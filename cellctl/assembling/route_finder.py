@@ -76,7 +76,7 @@ class RouteFinder:
             PlanError: the arm does not reach, would have to change its configuration, or something
                 is in the way.
         """
-        carrying = len(scene.bodies) > 1
+        carrying = scene.carrying
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         corners = self._shaper.corners(here, there, shape)
         if not corners:
@@ -103,8 +103,7 @@ class RouteFinder:
         beginning without passing over it."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
-        carrying = len(scene.bodies) > 1
-        leaving_m = max(self._clearance_m, self._lift_m if carrying else 0.0)
+        leaving_m = max(self._clearance_m, self._lift_m if scene.carrying else 0.0)
         level_m = max(from_m, to_m) + self._pitch_m
         ends = [self._frames.raised(pose, level_m) for pose in (here, there)]
         points, rotations = self._checker.tcp_between(start, *ends)
