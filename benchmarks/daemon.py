@@ -101,7 +101,11 @@ def main() -> None:
         snapshot, wall_s = build(client, folder)
     job = snapshot.job
     assert job is not None
-    assert job.outcome == "built", job.message
+    if job.outcome != "built":
+        fault = snapshot.fault
+        raise SystemExit(
+            f"Not built: {f'{fault.entry.code}: {fault.detail}' if fault.entry else job.message}"
+        )
     assert job.first_motion_s is not None
     assert job.end_of_speech_s is not None
     seconds = [part.seconds for part in snapshot.parts]
