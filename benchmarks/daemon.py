@@ -103,9 +103,8 @@ def main() -> None:
     assert job is not None
     if job.outcome != "built":
         fault = snapshot.fault
-        raise SystemExit(
-            f"Not built: {f'{fault.entry.code}: {fault.detail}' if fault.entry else job.message}"
-        )
+        reason = f"{fault.entry.code}: {fault.detail}" if fault.entry else job.message
+        raise SystemExit(f"Not built: {reason}")
     assert job.first_motion_s is not None
     assert job.end_of_speech_s is not None
     seconds = [part.seconds for part in snapshot.parts]
