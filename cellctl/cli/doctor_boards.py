@@ -11,8 +11,9 @@ from cellctl.boards.constants import FIRMWARE_VERSION, BoardRole
 from cellctl.boards.session import Board, BoardPort
 from cellctl.cli.findings import Finding, ok, problem, warning
 from cellctl.config import CellConfig, FeederSection, GripperSection
-from cellctl.errors import CATALOGUE, NOTICES, CellctlError
+from cellctl.errors import CATALOGUE, CellctlError
 from cellctl.messages import BoardData, Snapshot
+from cellctl.notices import NOTICES
 
 _BOARD_TIMEOUT_S = 10.0
 

@@ -17,12 +17,13 @@ import structlog
 from cellctl.assembly import Role, Utterance
 from cellctl.config import HearingSection
 from cellctl.control.states import TRANSITIONS, Event
-from cellctl.errors import NOTICES, CellctlError, HearingError, RefusedError
+from cellctl.errors import CellctlError, HearingError, RefusedError
 from cellctl.listening.ears.ears import Ears
 from cellctl.listening.ears.events import Condition, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.words import overheard_command
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import EarsData, SpeechData, StatusData
+from cellctl.notices import NOTICES
 
 log = structlog.get_logger(__name__)
 

@@ -15,8 +15,9 @@ import structlog
 from cellctl.assembling.gripper_board import RANGES, GripperBoard
 from cellctl.boards.constants import Command, GripperFault, Register, ResetCause, SelfTest
 from cellctl.boards.session import BoardLostError, BoardMismatchError
-from cellctl.errors import NOTICES, CellctlError, CellFault, Notice, RefusedError, UsageError
+from cellctl.errors import CellctlError, CellFault, RefusedError, UsageError
 from cellctl.messages import BoardData, GripperCommand, GripperData
+from cellctl.notices import NOTICES, Notice
 
 log = structlog.get_logger(__name__)
 

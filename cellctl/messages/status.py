@@ -7,7 +7,8 @@ from typing import Literal
 from pydantic import Field
 
 from cellctl.assembly import Change, Check, PartOutcome, Request, Role, Utterance, Value
-from cellctl.errors import FaultEntry, Notice
+from cellctl.errors import FaultEntry
+from cellctl.notices import Notice
 
 
 class StateData(Value):

@@ -7,7 +7,8 @@ import pytest
 from cellctl import config
 from cellctl.cli.reference import PAGES, attribute_docs, options_page
 from cellctl.config import generating, machines, place, services, understanding
-from cellctl.errors import CATALOGUE, NOTICES
+from cellctl.errors import CATALOGUE
+from cellctl.notices import NOTICES
 from tests.leaks import REPOSITORY
 
 FOLDER = REPOSITORY / "docs" / "reference"
