@@ -5,6 +5,7 @@ A ``CellClient`` is synchronous and belongs to one thread. Every wait has a time
 
 from __future__ import annotations
 
+import hashlib
 import os
 import secrets
 import time
@@ -29,6 +30,9 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
+    FileCommand,
+    FileData,
+    FileKind,
     HearCommand,
     PlainCommand,
     SayCommand,
@@ -133,6 +137,12 @@ class CellClient:
                 or is too busy.
             UsageError: the daemon could not make sense of it.
         """
+        return self._exchange(body, attachment, timeout_s)[0]
+
+    def _exchange(
+        self, body: Command, attachment: bytes | None = None, timeout_s: float | None = None
+    ) -> tuple[ControlReply, bytes | None]:
+        """A request, its reply, and the file that came with it."""
         if attachment is not None and len(attachment) > self._max_attachment:
             raise UsageError(
                 f"The file has {len(attachment) / 1e6:.0f} MB; "
@@ -147,7 +157,8 @@ class CellClient:
         try:
             socket.send_multipart(frames)
             self._await_reply(socket, self._timeout_s if timeout_s is None else timeout_s)
-            reply = ControlReply.model_validate_json(socket.recv_multipart()[-1])
+            document, *files = socket.recv_multipart()
+            reply = ControlReply.model_validate_json(document)
         except ValidationError as error:
             raise CellctlError(f"{self._door} sent an unreadable reply.") from error
         finally:
@@ -157,7 +168,7 @@ class CellClient:
             if reply.error.code == "internal":
                 kind = CellctlError  # type: ignore[assignment]
             raise kind(reply.error.message, reply.error.hint)
-        return reply
+        return reply, files[0] if files else None
 
     def _connected(self, kind: int, endpoint: str) -> zmq.Socket[bytes]:
         if endpoint in self._locked and self._key is None:
@@ -236,6 +247,29 @@ class CellClient:
         if reply.snapshot is None:
             raise CellctlError(f"{self._door} sent no snapshot.")
         return reply.snapshot
+
+    def file(
+        self, kind: FileKind, job_id: str = "", timeout_s: float | None = None
+    ) -> tuple[FileData, bytes]:
+        """A file of a job, and what is told of it.
+
+        Args:
+            kind: which of its files.
+            job_id: whose; empty: of the job under way, or of the last one.
+            timeout_s: longest wait for the reply (wall time); else the client's own.
+
+        Raises:
+            UsageError: there is no such job or no such file.
+            RefusedError: that job's files need the operator.
+            CellctlError: the file is damaged.
+        """
+        command = FileCommand(kind=kind, job_id=job_id)
+        reply, content = self._exchange(command, timeout_s=timeout_s)
+        if not isinstance(reply.data, FileData) or content is None:
+            raise CellctlError(f"{self._door} sent no file.")
+        if hashlib.sha256(content).hexdigest() != reply.data.sha256:
+            raise CellctlError(f"{self._door} sent a damaged {kind}.")
+        return reply.data, content
 
     def say(self, text: str) -> ControlReply:
         """Give the cell typed words.

@@ -10,9 +10,9 @@ from typing import Any, Final
 
 from cellctl.assembly import Attribute, Cell
 from cellctl.cli.picture import add_scene_axes, new_figure, save_png
-from cellctl.cli.picture_scene import FAINT_INK, INK, PAPER, PART, Camera, Scene
 from cellctl.config import CellConfig
 from cellctl.description import FamilyDescription
+from cellctl.drawing.scene import FAINT_INK, INK, PAPER, PART, Camera, Scene
 from cellctl.generating.describing import realise
 from cellctl.generating.families import FAMILIES
 from cellctl.mesh import GeneratedMesh

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from cellctl.assembly import Cell
-from cellctl.cli.picture_scene import FAINT_INK, INK, PAPER, PART, WRONG, Camera, Scene, Side
+from cellctl.drawing.scene import FAINT_INK, INK, PAPER, PART, WRONG, Camera, Scene, Side
 from cellctl.errors import UsageError
 
 WIDTH_IN: Final = 8.0

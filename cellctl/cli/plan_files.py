@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Final
 
 from cellctl.assembly import BuildPlan
-from cellctl.cli.picture_scene import Side
 from cellctl.cli.plan_report import PlanReport
 from cellctl.cli.plan_screen import summary
 from cellctl.config import CellConfig
+from cellctl.drawing.scene import Side
 from cellctl.errors import UsageError
 
 STDOUT: Final = "-"
@@ -96,7 +96,7 @@ class Outputs:
             )
             yield f"picture  {self.picture}"
         if self.steps is not None:
-            from cellctl.cli.plan_glb import steps_glb  # noqa: PLC0415 - few want it
+            from cellctl.drawing.plan_glb import steps_glb  # noqa: PLC0415 - few want it
 
             _write(self.steps, steps_glb(plan))
             yield f"steps    {self.steps}"

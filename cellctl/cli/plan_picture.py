@@ -12,8 +12,8 @@ import numpy as np
 
 from cellctl.assembly import BuildPlan, Cell, StepKind, Weakest
 from cellctl.cli.picture import add_scene_axes, new_figure, save_png
-from cellctl.cli.picture_scene import FAINT_INK, INK, PAPER, WRONG, Camera, Colour, Scene, Side
-from cellctl.cli.plan_steps import Life, lives_of, moments, order_colour
+from cellctl.drawing.plan_steps import Life, lives_of, moments, order_colour
+from cellctl.drawing.scene import FAINT_INK, INK, PAPER, WRONG, Camera, Colour, Scene, Side
 
 WIDTH_IN: Final = 15.0
 HEIGHT_IN: Final = 9.0

@@ -103,7 +103,9 @@ def bus_page(note: str) -> str:
             "([schema](bus-reply.schema.json)) with its `id`, and either a result or a typed "
             "error: `invalid` (no valid request), `refused` (not now, or not at this door), "
             "`busy` (too many are under way: ask again), "
-            "`usage` (its contents make no sense), `internal`.\n",
+            "`usage` (its contents make no sense), `internal`. The reply to `file` is followed by "
+            "the bytes of that file; a visitor gets those of the job under way, or of the last "
+            "one.\n",
             "| command | arguments | doors |\n| --- | --- | --- |\n" + "\n".join(commands) + "\n",
         ]
     )

@@ -11,6 +11,7 @@ import contextlib
 import json
 from collections import Counter
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Any
 
 import zmq
@@ -26,7 +27,16 @@ from cellctl.messages import (
     ReplyError,
 )
 
-Handler = Callable[[ControlRequest, bytes | None, Role], Awaitable[ControlReply]]
+
+@dataclass(frozen=True)
+class Answer:
+    """A reply, and the file that goes with it as a second frame."""
+
+    reply: ControlReply
+    file: zmq.Frame | None = None
+
+
+Handler = Callable[[ControlRequest, bytes | None, Role], Awaitable[Answer]]
 
 PER_CLIENT = 8
 """How many requests of one client may be under way at a time."""
@@ -103,7 +113,7 @@ class Door:
             self._refuse_if_busy(request, client)
         except _NotTakenError as refusal:
             reply = ControlReply(id=refusal.id, ok=False, state=state(), error=refusal.error)
-            await self._send(envelope, reply)
+            await self._send(envelope, Answer(reply))
             return
         self._under_way[client] += 1
         task = asyncio.create_task(
@@ -118,12 +128,16 @@ class Door:
         if not self._under_way[client]:
             del self._under_way[client]
 
-    async def _answer(self, envelope: list[bytes], answer: Awaitable[ControlReply]) -> None:
+    async def _answer(self, envelope: list[bytes], answer: Awaitable[Answer]) -> None:
         await self._send(envelope, await answer)
 
-    async def _send(self, envelope: list[bytes], reply: ControlReply) -> None:
+    async def _send(self, envelope: list[bytes], answer: Answer) -> None:
+        frames: list[bytes | zmq.Frame] = [*envelope, answer.reply.model_dump_json().encode()]
+        if answer.file is not None:
+            frames.append(answer.file)
         with contextlib.suppress(zmq.ZMQError):  # the one who asked has gone
-            await self.socket.send_multipart([*envelope, reply.model_dump_json().encode()])
+            # Without a copy: replies that wait for slow clients share the memory of a file.
+            await self.socket.send_multipart(frames, copy=answer.file is None)
 
     def _decode(self, body: list[bytes]) -> tuple[ControlRequest, bytes | None]:
         document = body[0] if body else b""

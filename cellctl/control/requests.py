@@ -5,14 +5,17 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
+from pathlib import Path
 
 import structlog
 
 from cellctl.assembly import Role, Utterance
+from cellctl.control.archive import Archive
 from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
 from cellctl.control.conversation import take_change
+from cellctl.control.door import Answer
 from cellctl.control.ears import LiveEars
 from cellctl.control.job import Job
 from cellctl.control.states import Event, top_of
@@ -26,6 +29,8 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
+    FileCommand,
+    FileData,
     GripperCommand,
     HandCommand,
     HearCommand,
@@ -100,30 +105,27 @@ class RequestDesk:
         self._snapshot = snapshot
         self._ears = ears
         self._books = Books(cell)
+        self._archive = Archive(lambda: cell.job, Path(cell.config.journal.path))
         self._overhearing: set[asyncio.Task[None]] = set()
 
-    async def handle(
-        self, request: ControlRequest, attachment: bytes | None, role: Role
-    ) -> ControlReply:
+    async def handle(self, request: ControlRequest, attachment: bytes | None, role: Role) -> Answer:
         """Carry one request of that role out; never raises."""
         body = request.body
         try:
+            _refuse_visitors(body.command, role)
+            if isinstance(body, FileCommand):
+                data, file = await self._archive.file(body, role)
+                return Answer(self._reply(request, data=data), file)
             message = await self._dispatch(request, attachment, role)
         except CellctlError as error:
-            return self._reply(
-                request,
-                error=ReplyError(
-                    code="refused" if isinstance(error, RefusedError) else "usage",
-                    message=error.message,
-                    hint=error.hint,
-                ),
-            )
+            return Answer(self._reply(request, error=ReplyError.of(error)))
         except Exception as error:
             log.exception("request failed", command=body.command)
             text = f"{type(error).__name__}: {error}"
-            return self._reply(request, error=ReplyError(code="internal", message=text))
+            why = ReplyError(code="internal", message=text)
+            return Answer(self._reply(request, error=why))
         snapshot = self._snapshot() if body.command == "snapshot" else None
-        return self._reply(request, message=message, snapshot=snapshot)
+        return Answer(self._reply(request, message=message, snapshot=snapshot))
 
     def _reply(
         self,
@@ -131,6 +133,7 @@ class RequestDesk:
         *,
         message: str = "",
         snapshot: Snapshot | None = None,
+        data: FileData | None = None,
         error: ReplyError | None = None,
     ) -> ControlReply:
         job = self._cell.job
@@ -141,6 +144,7 @@ class RequestDesk:
             message=message,
             job_id=job.job_id if job is not None else "",
             snapshot=snapshot,
+            data=data,
             error=error,
         )
 
@@ -148,8 +152,6 @@ class RequestDesk:
         self, request: ControlRequest, attachment: bytes | None, role: Role
     ) -> str:
         body = request.body
-        if role is not Role.OPERATOR and body.command in OPERATOR_COMMANDS:
-            raise RefusedError(f"{body.command} needs the operator.")
         match body:
             case SayCommand():
                 return await self.take(Utterance(text=body.text, source="text"), role)
@@ -173,8 +175,8 @@ class RequestDesk:
                 return await self._hand(body)
             case GripperCommand():
                 return await self._gripper(body)
-            case SnapshotCommand():
-                return ""
+            case SnapshotCommand() | FileCommand():
+                return ""  # what they ask for comes with the reply
             case _:
                 return await self._books.take(body)
 
@@ -325,6 +327,11 @@ class RequestDesk:
             task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await task
+
+
+def _refuse_visitors(command: str, role: Role) -> None:
+    if role is not Role.OPERATOR and command in OPERATOR_COMMANDS:
+        raise RefusedError(f"{command} needs the operator.")
 
 
 def _file(attachment: bytes | None, name: str) -> bytes:

@@ -16,6 +16,8 @@ from cellctl.messages.commands import (
     Command,
     ConfirmCommand,
     CountCommand,
+    FileCommand,
+    FileKind,
     GripperCommand,
     HandCommand,
     HandMove,
@@ -40,6 +42,7 @@ from cellctl.messages.envelope import (
     Snapshot,
     StatusMessage,
 )
+from cellctl.messages.replies import FileData
 from cellctl.messages.status import (
     TOPIC_OF,
     TOPICS,
@@ -80,6 +83,9 @@ __all__ = [
     "EarsCondition",
     "EarsData",
     "FaultData",
+    "FileCommand",
+    "FileData",
+    "FileKind",
     "GripperCommand",
     "GripperData",
     "HandCommand",

@@ -25,11 +25,15 @@ HandMove = Literal[
     "above_cell",
 ]
 """What an operator's hand can do: arm movements, the latch, and bringing one part in."""
+FileKind = Literal["mesh", "plan", "steps", "upload"]
+"""``mesh``: the shape as it was designed (GLB); ``plan``: what is built, step by step (JSON);
+``steps``: the same to look at, a part a node, with an animation (GLB); ``upload``: the mesh or plan
+file that the job began with."""
 
 MAX_TEXT = 500
 """Longest sentence that ``say`` takes, in characters."""
 MAX_ATTACHMENT = 64 * 1024 * 1024
-"""Largest file that an operator's request may carry, in bytes."""
+"""Largest file that an operator's request, or a reply, may carry, in bytes."""
 MAX_REQUEST = 64 * 1024
 """Largest first frame of a request, in bytes."""
 
@@ -153,6 +157,15 @@ class ListenCommand(Value):
     command: Literal["listen"] = "listen"
 
 
+class FileCommand(Value):
+    """Ask for a file of a job; it comes as the reply's second frame."""
+
+    command: Literal["file"] = "file"
+    kind: FileKind
+    job_id: Annotated[str, Field(max_length=64)] = ""
+    """Whose; empty: of the job under way, or of the last one. Any other needs the operator."""
+
+
 class MuteCommand(Value):
     """Close the microphone, or open it again."""
 
@@ -174,7 +187,8 @@ Command = Annotated[
     | CountCommand
     | OwnCommand
     | HandCommand
-    | GripperCommand,
+    | GripperCommand
+    | FileCommand,
     Field(discriminator="command"),
 ]
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field
 
 from cellctl.assembly import BuildPlan, Cell, PartOutcome, Value
+from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages.commands import Command
+from cellctl.messages.replies import FileData
 from cellctl.messages.status import (
     TOPICS,
     ArmData,
@@ -86,6 +88,12 @@ class ReplyError(Value):
     message: str
     hint: str = ""
 
+    @classmethod
+    def of(cls, error: CellctlError) -> Self:
+        """What those who asked are told of an error that is theirs."""
+        refused = isinstance(error, RefusedError)
+        return cls(code="refused" if refused else "usage", message=error.message, hint=error.hint)
+
 
 class ControlReply(Value):
     """The answer to one request."""
@@ -99,4 +107,6 @@ class ControlReply(Value):
     """For people: what happens now."""
     job_id: str = ""
     snapshot: Snapshot | None = None
+    data: FileData | None = None
+    """What was asked for, by a command that asks."""
     error: ReplyError | None = None

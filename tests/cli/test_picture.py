@@ -11,7 +11,7 @@ from matplotlib.image import imread
 
 from cellctl.assembly import Cell
 from cellctl.cli.picture import DPI, HEIGHT_IN, WIDTH_IN, draw_assembly
-from cellctl.cli.picture_scene import Side
+from cellctl.drawing.scene import Side
 from cellctl.errors import UsageError
 
 GRID = (6, 5, 6)

@@ -13,8 +13,8 @@ import pytest
 import trimesh
 
 from cellctl.assembly import BuildPlan, Cell
-from cellctl.cli.plan_glb import LONGEST_S, STEP_S, steps_glb
-from cellctl.cli.plan_steps import lives_of
+from cellctl.drawing.plan_glb import LONGEST_S, STEP_S, steps_glb
+from cellctl.drawing.plan_steps import lives_of
 from tests.cli.plans import (
     BEAM,
     WEAKEST,

@@ -5,7 +5,14 @@ from __future__ import annotations
 import pytest
 
 from cellctl.assembly import Cell, Step, StepKind
-from cellctl.cli.plan_steps import FIRST_TO_LAST, STANDING, Life, lives_of, moments, order_colour
+from cellctl.drawing.plan_steps import (
+    FIRST_TO_LAST,
+    STANDING,
+    Life,
+    lives_of,
+    moments,
+    order_colour,
+)
 from tests.cli.plans import BEAM, beam, changeover, placing, plan_of, standing_already, taking_apart
 
 

@@ -14,7 +14,7 @@ from cellctl.assembly import Role
 from cellctl.clock import SystemClock
 from cellctl.config import BusSection
 from cellctl.control.bus import Bus
-from cellctl.control.door import Handler
+from cellctl.control.door import Answer, Handler
 from cellctl.messages import ControlReply, ControlRequest, ReplyError
 
 MAX_AUDIO_S = 1.0
@@ -22,13 +22,14 @@ PATIENCE_S = 20.0
 """How long a test waits for anything (wall time)."""
 
 
-async def handler(request: ControlRequest, attachment: bytes | None, role: Role) -> ControlReply:
+async def handler(request: ControlRequest, attachment: bytes | None, role: Role) -> Answer:
     """Refuses to pause, and tells the role and the size of the file for everything else."""
     if request.body.command == "pause":
         error = ReplyError(code="refused", message="Not now.")
-        return ControlReply(id=request.id, ok=False, state="idle", error=error)
+        return Answer(ControlReply(id=request.id, ok=False, state="idle", error=error))
     size = len(attachment or b"")
-    return ControlReply(id=request.id, ok=True, state="idle", message=f"{role} sent {size} bytes")
+    message = f"{role} sent {size} bytes"
+    return Answer(ControlReply(id=request.id, ok=True, state="idle", message=message))
 
 
 def settings(folder: Path, **options: str) -> BusSection:

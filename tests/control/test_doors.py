@@ -13,7 +13,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from cellctl.assembly import Role
-from cellctl.control.door import IN_ALL, PER_CLIENT
+from cellctl.control.door import IN_ALL, PER_CLIENT, Answer
 from cellctl.messages import (
     MAX_REQUEST,
     ControlReply,
@@ -124,7 +124,7 @@ def test_too_many_requests_are_told_so_and_stop_is_heard_all_the_same(tmp_path: 
     async def exercise() -> None:
         release = asyncio.Event()
 
-        async def slow(asked: ControlRequest, file: bytes | None, role: Role) -> ControlReply:
+        async def slow(asked: ControlRequest, file: bytes | None, role: Role) -> Answer:
             if asked.body.command != "stop":
                 await release.wait()
             return await handler(asked, file, role)
@@ -148,7 +148,7 @@ def test_a_crowd_at_one_door_leaves_the_other_free(tmp_path: Path) -> None:
     async def exercise() -> None:
         release = asyncio.Event()
 
-        async def slow(asked: ControlRequest, file: bytes | None, role: Role) -> ControlReply:
+        async def slow(asked: ControlRequest, file: bytes | None, role: Role) -> Answer:
             if role is Role.VISITOR:
                 await release.wait()
             return await handler(asked, file, role)

@@ -7,17 +7,16 @@ a point ``(x, y, z)`` of the cell's workspace is ``(x, z, -y)`` there.
 
 from __future__ import annotations
 
-import json
-import struct
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from cellctl.assembly import BuildPlan, Weakest
-from cellctl.cli.cuboctahedron import faces
-from cellctl.cli.picture_scene import WRONG, Colour
-from cellctl.cli.plan_steps import Life, lives_of, order_colour
+from cellctl.drawing.cuboctahedron import faces
+from cellctl.drawing.glb import TRIANGLES, VERTICES, Buffer, material, packed
+from cellctl.drawing.plan_steps import Life, lives_of, order_colour
+from cellctl.drawing.scene import WRONG, Colour
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,46 +29,12 @@ REST_S: Final = 2.0
 DROP_CELLS: Final = 1.5
 """From how high above its place a part comes down."""
 
-_FLOAT, _USHORT = 5126, 5123
-_VERTICES, _TRIANGLES = 34962, 34963
-"""Component types and buffer targets of the specification."""
-
-
-class _Buffer:
-    """The binary chunk, and the accessors that say what lies where in it."""
-
-    def __init__(self) -> None:
-        self.content = bytearray()
-        self.views: list[dict[str, Any]] = []
-        self.accessors: list[dict[str, Any]] = []
-
-    def add(self, values: npt.NDArray[Any], kind: str, target: int | None = None) -> int:
-        """Store an array, rows of ``kind``; returns the index of its accessor."""
-        whole = values.dtype.kind == "u"
-        data = np.ascontiguousarray(values, dtype="<u2" if whole else "<f4")
-        view = {"buffer": 0, "byteOffset": len(self.content), "byteLength": data.nbytes}
-        self.views.append(view if target is None else view | {"target": target})
-        self.content += data.tobytes()
-        self.content += bytes(-len(self.content) % 4)
-        rows = data.reshape(len(data), -1)
-        self.accessors.append(
-            {
-                "bufferView": len(self.views) - 1,
-                "componentType": _USHORT if whole else _FLOAT,
-                "count": len(data),
-                "type": kind,
-                "min": rows.min(axis=0).tolist(),
-                "max": rows.max(axis=0).tolist(),
-            }
-        )
-        return len(self.accessors) - 1
-
 
 class _Document:
     """The scene under construction: nodes with a mesh and a colour of their own, and a movement."""
 
     def __init__(self) -> None:
-        self.buffer = _Buffer()
+        self.buffer = Buffer()
         self.materials: list[dict[str, Any]] = []
         self.meshes: list[dict[str, Any]] = []
         self.nodes: list[dict[str, Any]] = []
@@ -102,20 +67,16 @@ class _Document:
     def packed(self, title: str, extras: dict[str, Any]) -> bytes:
         """The content of a GLB file."""
         tree: dict[str, Any] = {
-            "asset": {"version": "2.0", "generator": "cellctl"},
             "scene": 0,
             "scenes": [{"name": title, "nodes": list(range(len(self.nodes))), "extras": extras}],
             "nodes": self.nodes,
             "meshes": self.meshes,
             "materials": self.materials,
-            "accessors": self.buffer.accessors,
-            "bufferViews": self.buffer.views,
-            "buffers": [{"byteLength": len(self.buffer.content)}],
         }
         if self.channels:
             build = {"name": "build", "samplers": self.samplers, "channels": self.channels}
             tree["animations"] = [build]
-        return _packed(tree, bytes(self.buffer.content))
+        return packed(tree, self.buffer)
 
 
 def steps_glb(plan: BuildPlan) -> bytes:
@@ -172,13 +133,13 @@ def _place(point: Floats, pitch_m: float) -> Floats:
     return np.array([x, z, -y])
 
 
-def _part_geometry(buffer: _Buffer, pitch_m: float) -> dict[str, Any]:
+def _part_geometry(buffer: Buffer, pitch_m: float) -> dict[str, Any]:
     """The one shape that all parts share, flat faces with corners of their own."""
     polygons = [(_place(n, 1.0), [_place(c, pitch_m) for c in corners]) for n, corners in faces()]
     return _primitive(buffer, polygons)
 
 
-def _weak_plate(buffer: _Buffer, weakest: Weakest, pitch_m: float) -> dict[str, Any]:
+def _weak_plate(buffer: Buffer, weakest: Weakest, pitch_m: float) -> dict[str, Any]:
     """A thin plate in the joint, wider than the faces that touch there, so that it is seen."""
     a, b = np.array(weakest.cell) + 0.5, np.array(weakest.other) + 0.5
     axis = int(np.argmax(np.abs(b - a)))
@@ -198,7 +159,7 @@ def _weak_plate(buffer: _Buffer, weakest: Weakest, pitch_m: float) -> dict[str, 
     return _primitive(buffer, polygons)
 
 
-def _primitive(buffer: _Buffer, polygons: list[tuple[Floats, list[Floats]]]) -> dict[str, Any]:
+def _primitive(buffer: Buffer, polygons: list[tuple[Floats, list[Floats]]]) -> dict[str, Any]:
     """Convex polygons, each a normal and its corners, as triangles."""
     vertices: list[Floats] = []
     normals: list[Floats] = []
@@ -210,25 +171,19 @@ def _primitive(buffer: _Buffer, polygons: list[tuple[Floats, list[Floats]]]) -> 
         triangles += [(first, first + k, first + k + 1) for k in range(1, len(corners) - 1)]
     return {
         "attributes": {
-            "POSITION": buffer.add(np.array(vertices), "VEC3", _VERTICES),
-            "NORMAL": buffer.add(np.array(normals), "VEC3", _VERTICES),
+            "POSITION": buffer.add(np.array(vertices), "VEC3", VERTICES),
+            "NORMAL": buffer.add(np.array(normals), "VEC3", VERTICES),
         },
         "indices": buffer.add(
-            np.array(triangles, dtype=np.uint16).reshape(-1), "SCALAR", _TRIANGLES
+            np.array(triangles, dtype=np.uint16).reshape(-1), "SCALAR", TRIANGLES
         ),
     }
 
 
 def _material(colour: Colour) -> dict[str, Any]:
-    """A matt surface; glTF wants linear colours, not those of a screen."""
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour]
-    return {
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [*(round(c, 5) for c in linear), 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": 0.75,
-        }
-    }
+    """A matt surface of a screen's colour."""
+    linear = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour)
+    return material(tuple(linear))
 
 
 def _movement(
@@ -268,19 +223,3 @@ def _movement(
 def _finite(margin: float | None) -> float | None:
     """JSON knows no infinity: a step that needs no magnet has no margin."""
     return margin if margin is not None and np.isfinite(margin) else None
-
-
-def _packed(tree: dict[str, Any], binary: bytes) -> bytes:
-    """The two chunks with their headers."""
-    text = json.dumps(tree, separators=(",", ":")).encode("utf-8")
-    text += b" " * (-len(text) % 4)
-    length = 12 + 8 + len(text) + 8 + len(binary)
-    return b"".join(
-        (
-            struct.pack("<4sII", b"glTF", 2, length),
-            struct.pack("<I4s", len(text), b"JSON"),
-            text,
-            struct.pack("<I4s", len(binary), b"BIN\x00"),
-            binary,
-        )
-    )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from cellctl.assembly import BuildPlan, Cell, StepKind
-from cellctl.cli.picture_scene import Colour
+from cellctl.drawing.scene import Colour
 
 FIRST_TO_LAST: Final[tuple[Colour, ...]] = (
     (0.20, 0.22, 0.46),

@@ -15,7 +15,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from cellctl.assembly import Cell
-from cellctl.cli.cuboctahedron import Points, faces
+from cellctl.drawing.cuboctahedron import Points, faces
 
 Colour = tuple[float, float, float]
 """Red, green and blue from 0 to 1, as a screen shows them (sRGB)."""
