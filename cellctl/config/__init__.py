@@ -10,6 +10,7 @@ All frames are poses in the *cell frame*: right-handed, z up, origin on the floo
 from __future__ import annotations
 
 from cellctl.config.cell import CellConfig
+from cellctl.config.dialogue import DialogueSection
 from cellctl.config.generating import GeneratingSection, GeneratorName
 from cellctl.config.loading import (
     DEFAULT_PATH,
@@ -52,6 +53,7 @@ __all__ = [
     "BusSection",
     "CellConfig",
     "CellSection",
+    "DialogueSection",
     "EmulationSection",
     "FeederSection",
     "GeneratingSection",

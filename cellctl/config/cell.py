@@ -7,6 +7,7 @@ from typing import Self
 
 from pydantic import model_validator
 
+from cellctl.config.dialogue import DialogueSection
 from cellctl.config.generating import GeneratingSection
 from cellctl.config.machines import (
     FeederSection,
@@ -51,6 +52,7 @@ class CellConfig(Section):
     feeder: FeederSection
     hearing: HearingSection = HearingSection()
     understanding: UnderstandingSection = UnderstandingSection()
+    dialogue: DialogueSection = DialogueSection()
     generating: GeneratingSection = GeneratingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()

@@ -15,7 +15,6 @@ from cellctl.assembly import Cell as CellIndex
 from cellctl.assembly import PartOutcome, Role
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
-from cellctl.control import sentences
 from cellctl.control.acts import ActKind, JobFiles
 from cellctl.control.controller import Controller, Post
 from cellctl.control.devices import Devices
@@ -24,6 +23,7 @@ from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.hand import HandMoves
 from cellctl.control.job import Job, Phase
 from cellctl.control.journal import Journal
+from cellctl.control.sentences import Sentences
 from cellctl.control.states import Event, top_of
 from cellctl.control.taking_apart import TakingApart
 from cellctl.control.wishes import Wishes
@@ -36,6 +36,7 @@ from cellctl.messages import (
     StateData,
     StatusData,
 )
+from cellctl.wording import Wording
 
 log = structlog.get_logger(__name__)
 
@@ -58,6 +59,7 @@ class Cell:
         builder: the physical stages.
         journal: where jobs are written.
         publish: sends a status message; gets the data and the state.
+        wording: the messages of the cell's language.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Cell:
         builder: Dismantler,
         journal: Journal,
         publish: Callable[[StatusData, str], None],
+        wording: Wording,
     ) -> None:
         self.config = config
         self._clock = clock
@@ -76,6 +79,9 @@ class Cell:
         self.builder = builder
         self._journal = journal
         self._publish = publish
+        self.sentences = Sentences(wording, config.voxel.pitch_m)
+        self.line = wording.line("state.starting")
+        """The present state in words."""
         self.controller = Controller(self, publish)
         self.wishes = Wishes(
             config,
@@ -84,6 +90,7 @@ class Cell:
             designer=devices.designer,
             show=lambda data: publish(data, self.controller.state),
             ledger=lambda: builder.ledger,
+            wording=wording,
         )
         self._taking_apart = TakingApart(
             builder,
@@ -257,21 +264,21 @@ class Cell:
 
     def _tell(self, event: str, before: str, after: str) -> None:
         job = self.job
+        self.line = self.sentences.describe(
+            after,
+            job,
+            self.controller.latched.fault if self.controller.latched else None,
+            self.builder.doubt,
+            self.builder.ledger,
+            recalled=event == Event.RECALLED.value,
+        )
         self.last_state = StateData(
             state=after,
             previous=before,
             event=event,
             pausing=job is not None and job.pausing,
             cancelling=job is not None and job.cancelling,
-            sentence=sentences.describe(
-                after,
-                job,
-                self.controller.latched.fault if self.controller.latched else None,
-                self.builder.doubt,
-                self.builder.ledger,
-                pitch_m=self.config.voxel.pitch_m,
-                recalled=event == Event.RECALLED.value,
-            ),
+            sentence=self.line.text,
         )
         self._publish(self.last_state, after)
         if job is not None:
@@ -291,17 +298,17 @@ class Cell:
         cancelled = event is Event.AT_REST and job.cancelling
         if heard_in_vain:
             job.outcome = "failed"
-            job.message = "I was interrupted; please say it again."
+            job.message = self.sentences.wording.text("done.interrupted")
         if after == "idle" or cancelled or heard_in_vain:
             if event is Event.COMPLETED:
                 job.outcome = job.outcome_when_home()
-                job.message = sentences.finished(job)
+                job.message = self.sentences.finished(job)
             elif event is Event.DECLINE:
                 job.outcome = "declined"
-                job.message = job.message or "All right, I shall not build it."
+                job.message = job.message or self.sentences.wording.text("done.declined")
             elif event in {Event.CANCEL, Event.STOP, Event.AT_REST}:
                 job.outcome = "cancelled"
-                job.message = sentences.cancelled(job)
+                job.message = self.sentences.cancelled(job)
             self.wishes.recording = None
             job.finished_s = self._clock.now_s()
             job.finished_at = self._clock.wall_time()
@@ -341,7 +348,7 @@ class Cell:
             return None
         job = Job.recalled(*kept, standing=self.builder.standing)
         if job.phase is Phase.HEARING and job.utterance is None:
-            job.outcome, job.message = "failed", "I was interrupted; please say it again."
+            job.outcome, job.message = "failed", self.sentences.wording.text("done.interrupted")
             job.finished_at = self._clock.wall_time()
             self._journal.keep_job(job.record())
             return None

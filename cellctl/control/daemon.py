@@ -23,6 +23,7 @@ from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell
 from cellctl.control.designing import warm_up
 from cellctl.control.devices import Devices
+from cellctl.control.dialogue.board import DialogueBoard
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.ears import LiveEars
 from cellctl.control.gripper_reset import settle_reset
@@ -39,6 +40,8 @@ from cellctl.feeding.inventory import Counts
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import FaultData, GripperData, LogData, Snapshot, StatusData
+from cellctl.speaking import SilentSpeaker, Speaker
+from cellctl.wording import load_wording
 from cellctl.worker import WorkerError, WorkerProcess
 
 log = structlog.get_logger(__name__)
@@ -91,13 +94,22 @@ class Daemon:
             devices=self.devices,
             builder=self.builder,
             journal=self.journal,
-            publish=self.bus.publish,
+            publish=self._show,
+            wording=load_wording(config.dialogue.language, config.dialogue.messages_folder),
         )
         self.service = ServiceReport(
             ServiceManager.from_environment(), self.cell.controller.probe, self._condition
         )
         self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish)
-        self.desk = RequestDesk(self.cell, self.hearing, self.bus.publish, self.snapshot, self.ears)
+        self.speaker: Speaker = SilentSpeaker()
+        self.dialogue = DialogueBoard(
+            self.cell,
+            self.clock,
+            lambda: self.ears.data.state,
+            self.speaker,
+            lambda data: self.bus.publish(data, self._state()),
+        )
+        self.desk = RequestDesk(self.cell, self.hearing, self._show, self.snapshot, self.ears)
 
     def snapshot(self) -> Snapshot:
         """The whole picture for one who joins late."""
@@ -123,6 +135,7 @@ class Daemon:
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.wishes.recogniser,
             ears=self.ears.data,
+            dialogue=self.dialogue.data,
         )
 
     def _state(self) -> str:
@@ -146,7 +159,11 @@ class Daemon:
         return Condition(up=state != "starting", sentence=sentence)
 
     def _publish(self, data: StatusData) -> None:
-        self.bus.publish(data, self._state())
+        self._show(data, self._state())
+
+    def _show(self, data: StatusData, state: str) -> None:
+        self.bus.publish(data, state)
+        self.dialogue.note(data)
 
     def publish_log(self, level: str, message: str) -> None:
         """Put a warning or an error of the log on the bus."""

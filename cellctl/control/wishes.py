@@ -31,6 +31,7 @@ from cellctl.listening.hearing import Hearing
 from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
+from cellctl.wording import Wording
 from cellctl.worker import WorkerProcess
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Wishes:
         designer: the process that designs and plans.
         show: publishes what was heard.
         ledger: what is believed of the cell's parts.
+        wording: the messages of the cell's language.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class Wishes:
         designer: WorkerProcess,
         show: Callable[[StatusData], None],
         ledger: Callable[[], Ledger],
+        wording: Wording,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -67,6 +70,7 @@ class Wishes:
         self._designer = designer
         self._show = show
         self._ledger = ledger
+        self._wording = wording
         self._interpreter: Interpreter = interpreter_for(config)
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
@@ -220,7 +224,7 @@ class Wishes:
         await self._clock.sleep(self._config.policy.confirmation_timeout_s)
 
         def silence() -> None:
-            job.message = "Nobody said yes, so I shall not build it."
+            job.message = self._wording.text("done.silence")
 
         post(Event.DECLINE, silence)
 

@@ -34,6 +34,13 @@ from cellctl.messages.commands import (
     SnapshotCommand,
     attachment_limit,
 )
+from cellctl.messages.dialogue import (
+    DialogueData,
+    DialoguePhase,
+    Offer,
+    Question,
+    QueueEntry,
+)
 from cellctl.messages.envelope import (
     SCHEMA_VERSION,
     ControlReply,
@@ -80,6 +87,8 @@ __all__ = [
     "ControlRequest",
     "ConveyorData",
     "CountCommand",
+    "DialogueData",
+    "DialoguePhase",
     "EarsCondition",
     "EarsData",
     "FaultData",
@@ -97,11 +106,14 @@ __all__ = [
     "LogData",
     "MissingCommand",
     "MuteCommand",
+    "Offer",
     "Outcome",
     "OwnCommand",
     "PartData",
     "PartPlace",
     "PlainCommand",
+    "Question",
+    "QueueEntry",
     "RecoverCommand",
     "RefillCommand",
     "ReplyError",

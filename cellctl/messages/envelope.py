@@ -10,6 +10,7 @@ from pydantic import Field
 from cellctl.assembly import BuildPlan, Cell, PartOutcome, Value
 from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages.commands import Command
+from cellctl.messages.dialogue import DialogueData
 from cellctl.messages.replies import FileData
 from cellctl.messages.status import (
     TOPICS,
@@ -70,6 +71,7 @@ class Snapshot(Value):
     health: HealthData
     recogniser: str
     ears: EarsData = EarsData(state="off")
+    dialogue: DialogueData = DialogueData(phase="starting")
 
 
 class ControlRequest(Value):

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from cellctl.assembly import Change, Check, PartOutcome, Request, Role, Utterance, Value
 from cellctl.errors import FaultEntry
+from cellctl.messages.dialogue import DialogueData
 from cellctl.notices import Notice
 
 
@@ -185,6 +186,7 @@ StatusData = (
     | GripperData
     | SpeechData
     | EarsData
+    | DialogueData
     | FaultData
     | LogData
     | HealthData
@@ -199,6 +201,7 @@ TOPICS: dict[str, type[Value]] = {
     "gripper": GripperData,
     "speech": SpeechData,
     "ears": EarsData,
+    "dialogue": DialogueData,
     "fault": FaultData,
     "log": LogData,
     "health": HealthData,

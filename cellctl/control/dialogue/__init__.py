@@ -1,0 +1,1 @@
+"""The conversation with the people in front of the cell."""

@@ -1,0 +1,111 @@
+"""What people see and hear of the conversation: the topic ``dialogue``, and lines said aloud."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import timedelta
+
+from cellctl.clock import Clock
+from cellctl.control.cell import Cell
+from cellctl.control.dialogue.scene import Scene
+from cellctl.messages import (
+    DialogueData,
+    EarsCondition,
+    SpeechData,
+    StateData,
+    StatusData,
+)
+from cellctl.speaking import Speaker
+from cellctl.wording import Line
+
+_SAID = ("ask.", "idle.", "done.", "paused.", "refilling.", "state.idle", "state.fault")
+"""Beginnings of the keys of sentences that are said when the state changes; others are shown."""
+
+
+class DialogueBoard:
+    """Follows what the daemon publishes, and tells the conversation's side of it.
+
+    Args:
+        cell: what the conversation is about.
+        clock: tells the calendar time.
+        ears: whether the cell listens.
+        speaker: says lines aloud.
+        publish: sends a status message.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        clock: Clock,
+        ears: Callable[[], EarsCondition],
+        speaker: Speaker,
+        publish: Callable[[StatusData], None],
+    ) -> None:
+        self._cell = cell
+        self._clock = clock
+        self._ears = ears
+        self._speaker = speaker
+        self._publish = publish
+        self._number = 0
+        self.data = self._told = DialogueData(phase="starting")
+        """What the bus shows."""
+
+    def note(self, data: StatusData) -> None:
+        """Something was published: tell what follows from it for the conversation."""
+        match data:
+            case SpeechData():
+                self._heard(data)
+            case StateData() if data.state != data.previous:
+                self._entered(data.state)
+        self.refresh()
+
+    def say(self, line: Line) -> None:
+        """Say a line: on the screen, and aloud."""
+        self._number += 1
+        said = line.model_copy(update={"number": self._number})
+        self._change(line=said)
+        self._speaker.say(said)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Publish, where anything has changed."""
+        scene = self.scene()
+        self._change(
+            phase=scene.phase,
+            question=scene.question,
+            offers=scene.offers,
+            speaking=self._speaker.speaking,
+        )
+        if scene.phase != "asking":
+            self._change(deadline=None)
+        if self.data != self._told:
+            self._told = self.data
+            self._publish(self.data)
+
+    def scene(self) -> Scene:
+        """What the conversation is about now."""
+        job = self._cell.active_job
+        return Scene(
+            state=self._cell.controller.state,
+            ears=self._ears(),
+            active=job is not None,
+            takes_apart=job is not None and job.takes_apart,
+            standing=bool(self._cell.builder.standing),
+        )
+
+    def _heard(self, data: SpeechData) -> None:
+        request = data.request
+        understood = request.phrase if request is not None and request.buildable else ""
+        self._change(heard=data.utterance.text, understood=understood)
+
+    def _entered(self, state: str) -> None:
+        line = self._cell.line
+        if state == "validating_confirming":
+            config = self._cell.config
+            open_s = config.policy.confirmation_timeout_s / config.cell.clock_rate
+            self._change(deadline=self._clock.wall_time() + timedelta(seconds=open_s))
+        if line.key.startswith(_SAID):
+            self.say(line)
+
+    def _change(self, **changes: object) -> None:
+        self.data = self.data.model_copy(update=changes)
