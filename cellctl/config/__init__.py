@@ -12,6 +12,7 @@ from __future__ import annotations
 from cellctl.config.cell import CellConfig
 from cellctl.config.dialogue import DialogueSection
 from cellctl.config.generating import GeneratingSection, GeneratorName
+from cellctl.config.kiosk import KioskSection
 from cellctl.config.loading import (
     DEFAULT_PATH,
     ENVIRONMENT_VARIABLE,
@@ -62,6 +63,7 @@ __all__ = [
     "HearingSection",
     "Joints",
     "JournalSection",
+    "KioskSection",
     "LimitsSection",
     "PedestalSection",
     "PlanningSection",

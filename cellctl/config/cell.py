@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from cellctl.config.dialogue import DialogueSection
 from cellctl.config.generating import GeneratingSection
+from cellctl.config.kiosk import KioskSection
 from cellctl.config.machines import (
     FeederSection,
     GripperSection,
@@ -56,6 +57,7 @@ class CellConfig(Section):
     generating: GeneratingSection = GeneratingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()
+    kiosk: KioskSection = KioskSection()
     journal: JournalSection = JournalSection()
     policy: PolicySection = PolicySection()
     emulation: EmulationSection | None = None

@@ -6,7 +6,7 @@ import pytest
 
 from cellctl import config
 from cellctl.cli.reference import PAGES, attribute_docs, options_page
-from cellctl.config import dialogue, generating, machines, place, services, understanding
+from cellctl.config import dialogue, generating, kiosk, machines, place, services, understanding
 from cellctl.errors import CATALOGUE
 from cellctl.notices import NOTICES
 from tests.leaks import REPOSITORY
@@ -25,7 +25,7 @@ def test_every_generated_page_is_known() -> None:
 
 def test_every_option_stands_there() -> None:
     page = options_page()
-    meanings = attribute_docs(dialogue, generating, machines, place, services, understanding)
+    meanings = attribute_docs(dialogue, generating, kiosk, machines, place, services, understanding)
     for table, section in config.CellConfig.model_fields.items():
         _, _, body = page.partition(f"## [{table}]\n")
         body = body.partition("\n## ")[0]

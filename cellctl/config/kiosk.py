@@ -1,0 +1,53 @@
+"""The table of the page in front of the cell."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import Annotated, Literal, Self
+from urllib.parse import urlsplit
+
+from pydantic import Field, model_validator
+
+from cellctl.config.section import Port, Section
+
+
+class KioskSection(Section):
+    """The page that ``cellctl kiosk`` serves."""
+
+    address: str = "127.0.0.1"
+    """IP address that it is served on: loopback, unless others than this computer shall see it."""
+    port: Port = 8080
+    """Its TCP port."""
+    public_url: str = ""
+    """Address under which a visitor's phone reaches the page, such as ``http://cell.local:8080``;
+    the code to take an object home shows it. Empty: no code, unless ``address`` is not loopback."""
+    language: Annotated[str, Field(pattern=r"^[a-z]{2}$")] = "en"
+    """The language that it begins with; every visitor can choose another."""
+    theme: Literal["auto", "light", "dark"] = "auto"
+    """``auto`` follows what the browser's system prefers; every visitor can choose."""
+    visitors_may_act: bool = True
+    """``false`` shows only: no buttons, no typed words."""
+
+    @model_validator(mode="after")
+    def _reachable(self) -> Self:
+        try:
+            ipaddress.ip_address(self.address)
+        except ValueError:
+            raise ValueError(f"address must be an IP address (not {self.address!r})") from None
+        parts = urlsplit(self.public_url)
+        if self.public_url and (parts.scheme not in {"http", "https"} or not parts.hostname):
+            raise ValueError(
+                f"public_url must be like http://cell.local:8080 (not {parts.geturl()!r})"
+            )
+        return self
+
+    @property
+    def home(self) -> str:
+        """The address that others use, without a slash at its end; empty when there is none."""
+        if self.public_url:
+            return self.public_url.rstrip("/")
+        address = ipaddress.ip_address(self.address)
+        if address.is_loopback or address.is_unspecified:
+            return ""
+        host = f"[{address}]" if address.version == 6 else str(address)
+        return f"http://{host}:{self.port}"

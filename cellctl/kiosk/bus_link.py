@@ -1,0 +1,169 @@
+"""The page's end of the bus: a thread that listens, and requests that wait elsewhere.
+
+The bus client is synchronous, so that it has a thread of its own; what it hears is handed to the
+event loop in its order. It asks for the whole picture when messages were lost, when the daemon was
+started again, and after messages that change more than they tell.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Final
+
+import structlog
+
+from cellctl.assembly import Role
+from cellctl.client import CellClient
+from cellctl.config import CellConfig
+from cellctl.errors import CellctlError
+from cellctl.kiosk.mirror import Mirror, Sequence
+from cellctl.messages import Command, ControlReply, StatusMessage
+
+log = structlog.get_logger(__name__)
+
+_ANSWER_S: Final = 2.0
+_REQUEST_S: Final = 10.0
+_AGAIN_S: Final = 0.5
+"""Between two attempts to reach a daemon."""
+_LOOK_S: Final = 0.05
+"""How long is listened before something else is looked after."""
+_REFRESH_S: Final = 0.25
+"""Not more often is the whole picture asked for, however much happens."""
+_TELLS_LESS: Final = frozenset({"state", "part", "job"})
+"""Topics after which something has changed that no message tells: plan, inventory, doubt."""
+_END_PATIENCE_S: Final = 5.0
+
+
+class BusLink:
+    """Follows one cell and asks it things.
+
+    Args:
+        config: says where its bus is.
+        key: the page's key file, for a bus that is locked.
+    """
+
+    def __init__(self, config: CellConfig, key: Path | None = None) -> None:
+        self._config = config
+        self._key = key
+        self._ended = threading.Event()
+        self.mirror = Mirror(patience_s=max(2.0, 3.0 * config.bus.heartbeat_s))
+
+    async def ask(
+        self,
+        body: Command,
+        attachment: bytes | None = None,
+        *,
+        role: Role = Role.VISITOR,
+        timeout_s: float = _REQUEST_S,
+    ) -> ControlReply:
+        """Send one request by that role's door and wait for the reply.
+
+        Raises:
+            CellctlError: what the cell, or the way to it, says against it.
+        """
+        return await asyncio.to_thread(self._ask, body, attachment, role, timeout_s)
+
+    def _ask(
+        self, body: Command, attachment: bytes | None, role: Role, timeout_s: float
+    ) -> ControlReply:
+        with CellClient.for_role(self._config, role, timeout_s, self._key) as cell:
+            return cell.request(body, attachment)
+
+    @contextlib.asynccontextmanager
+    async def following(self) -> AsyncIterator[None]:
+        """Keep the mirror up to date for as long as the context lasts."""
+        loop = asyncio.get_running_loop()
+        thread = threading.Thread(target=self._follow, args=(loop,), name="bus", daemon=True)
+        thread.start()
+        ticking = asyncio.create_task(self._tick(), name="ages")
+        try:
+            yield
+        finally:
+            ticking.cancel()
+            self._ended.set()
+            await asyncio.gather(ticking, return_exceptions=True)
+            await asyncio.to_thread(thread.join, _END_PATIENCE_S)
+
+    async def _tick(self) -> None:
+        while True:
+            await asyncio.sleep(1.0)
+            self.mirror.tick()
+
+    def _follow(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Body of the thread: one client after another, for as long as the page lives."""
+        while not self._ended.is_set():
+            try:
+                with CellClient.for_role(self._config, Role.VISITOR, _ANSWER_S, self._key) as cell:
+                    _Listener(cell, self.mirror, loop, self._ended).listen(
+                        silence_s=3.0 * self._config.bus.heartbeat_s
+                    )
+            except CellctlError as error:
+                log.debug("the cell does not answer", reason=str(error))
+            except RuntimeError:  # the loop is closed: the page ends
+                return
+            self._ended.wait(_AGAIN_S)
+
+
+class _Listener:
+    """One client that listens until it hears nothing more."""
+
+    def __init__(
+        self,
+        cell: CellClient,
+        mirror: Mirror,
+        loop: asyncio.AbstractEventLoop,
+        ended: threading.Event,
+    ) -> None:
+        self._cell = cell
+        self._mirror = mirror
+        self._loop = loop
+        self._ended = ended
+        self._sequence = Sequence()
+        self._refreshed_s = 0.0
+        self._due = False
+
+    def listen(self, silence_s: float) -> None:
+        """Follow the cell until it has been silent for so long and does not answer.
+
+        Raises:
+            CellctlError: it does not answer.
+        """
+        self._cell.subscribe()
+        self._refresh()
+        heard_s = time.monotonic()
+        while not self._ended.is_set():
+            for message in self._cell.messages(_LOOK_S):
+                heard_s = time.monotonic()
+                self._take(message)
+                if self._ended.is_set():
+                    return
+            if self._due and time.monotonic() - self._refreshed_s > _REFRESH_S:
+                self._refresh()
+            if time.monotonic() - heard_s > silence_s:
+                # The status stream may be broken while the door answers: begin anew then, too.
+                self._refresh()
+                return
+
+    def _take(self, message: StatusMessage) -> None:
+        place = self._sequence.place(message.seq)
+        if place == "gap":
+            self._refresh()
+            return
+        if place == "known":
+            return
+        self._loop.call_soon_threadsafe(self._mirror.take, message)
+        if message.topic in _TELLS_LESS:
+            self._due = True
+        if self._due and time.monotonic() - self._refreshed_s > _REFRESH_S:
+            self._refresh()
+
+    def _refresh(self) -> None:
+        snapshot = self._cell.snapshot()
+        self._sequence.snapshot(snapshot.seq)
+        self._refreshed_s, self._due = time.monotonic(), False
+        self._loop.call_soon_threadsafe(self._mirror.take_snapshot, snapshot)

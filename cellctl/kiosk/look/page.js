@@ -1,0 +1,51 @@
+// Runs before the page is drawn: the chosen theme, and words that come up over the page.
+"use strict";
+
+window.cellctl = (() => {
+  const THEME = "cellctl-theme";
+  const NOTICE_S = 8;
+  const root = document.documentElement;
+  const light = () => {
+    const wanted = root.dataset.theme;
+    return wanted === "auto" || !wanted
+      ? window.matchMedia("(prefers-color-scheme: light)").matches
+      : wanted === "light";
+  };
+
+  const chosen = () => {
+    try {
+      return localStorage.getItem(THEME);
+    } catch {
+      return null; // a browser that keeps nothing follows the cell's own theme
+    }
+  };
+  root.lang = document.currentScript.dataset.language;
+  root.dataset.theme = chosen() ?? document.currentScript.dataset.theme;
+
+  const theme = () => {
+    const next = light() ? "dark" : "light";
+    try {
+      localStorage.setItem(THEME, next);
+    } catch {
+      // it holds until the page is loaded again
+    }
+    root.dataset.theme = next;
+  };
+
+  let shelf;
+  const notice = (text) => {
+    if (!shelf) {
+      shelf = document.createElement("div");
+      shelf.className = "notices";
+      shelf.setAttribute("role", "alert");
+      document.body.append(shelf);
+    }
+    const line = document.createElement("p");
+    line.className = "notices__line";
+    line.textContent = text;
+    shelf.replaceChildren(line);
+    setTimeout(() => line.remove(), NOTICE_S * 1000);
+  };
+
+  return { theme, notice, light };
+})();

@@ -1,0 +1,1 @@
+"""The page behind its key: for the people who look after the cell."""

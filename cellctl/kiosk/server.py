@@ -1,0 +1,90 @@
+"""The process behind ``cellctl kiosk``: serves the pages, and follows the bus for all of them."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Awaitable, Callable
+from contextlib import AsyncExitStack
+from pathlib import Path
+from typing import Final
+
+import structlog
+from fastapi import Request, Response
+from nicegui import app, ui
+
+from cellctl.config import CellConfig
+from cellctl.kiosk.bus_link import BusLink
+from cellctl.kiosk.operator.page import operator_page
+from cellctl.kiosk.shell import Site, shell
+from cellctl.kiosk.visitor.page import visitor_page
+
+log = structlog.get_logger(__name__)
+
+LOOK: Final = Path(__file__).parent / "look"
+_RECONNECT_S: Final = 30.0
+"""So long a browser that was cut off finds its page again as it was."""
+_POLICY: Final = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self' ws: wss:; worker-src 'self' blob:; object-src 'none'; "
+    "base-uri 'self'; form-action 'self'; frame-ancestors 'none'"
+)
+"""What a page may load: nothing from elsewhere. The page library evaluates what its own server
+sends, hence the two ``unsafe``."""
+
+
+def serve(config: CellConfig, key: Path | None = None) -> None:
+    """Serve the pages until SIGTERM or SIGINT.
+
+    Args:
+        config: the cell.
+        key: the page's key file, for a bus that is locked.
+    """
+    site = Site(config, BusLink(config, key))
+    stack = AsyncExitStack()
+
+    async def begin() -> None:
+        await stack.enter_async_context(site.link.following())
+        log.info("page served", address=config.kiosk.address, port=config.kiosk.port)
+
+    app.on_startup(begin)
+    app.on_shutdown(stack.aclose)
+    app.middleware("http")(_guarded)
+    app.add_static_files("/look", LOOK)
+    _add_pages(site)
+    ui.run(
+        host=config.kiosk.address,
+        port=config.kiosk.port,
+        title=config.cell.name,
+        favicon=LOOK / "favicon.svg",
+        language="en-US",
+        reload=False,
+        show=False,
+        tailwind=False,
+        show_welcome_message=False,
+        reconnect_timeout=_RECONNECT_S,
+        binding_refresh_interval=None,
+        storage_secret=secrets.token_urlsafe(32),
+        session_middleware_kwargs={"same_site": "strict"},
+    )
+
+
+def _add_pages(site: Site) -> None:
+    @ui.page("/")
+    def visitor(lang: str = "") -> None:
+        with shell(site, lang, "page.title", role="visitor") as page:
+            visitor_page(page)
+
+    @ui.page("/operator")
+    def operator(lang: str = "") -> None:
+        with shell(site, lang, "operator.title", role="operator") as page:
+            operator_page(page)
+
+
+async def _guarded(request: Request, go_on: Callable[[Request], Awaitable[Response]]) -> Response:
+    """Nothing from elsewhere may be loaded, and nobody else may frame the page."""
+    response = await go_on(request)
+    response.headers["Content-Security-Policy"] = _POLICY
+    response.headers["X-Content-Type-Options"] = "nosniff"
+    response.headers["Referrer-Policy"] = "no-referrer"
+    return response

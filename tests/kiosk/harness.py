@@ -1,0 +1,172 @@
+"""A visit for tests: an emulated cell, its daemon, its page, and a browser in front of it."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+from urllib.parse import urlsplit
+
+from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+
+from cellctl.cli.daemon_process import wait_idle
+from cellctl.cli.kiosk_process import KioskProcess, running_kiosk, with_own_page
+from cellctl.config import CellConfig
+from cellctl.sim.isolation import isolated
+from cellctl.sim.spawn import emulated_cell
+from tests.cell.harness import PATIENCE_S, RunningCell, cell_config, watched_daemon
+
+CHROMIUM = Path("/usr/bin/chromium")
+ARGUMENTS = (
+    "--no-sandbox",  # tests may run as root
+    "--use-angle=swiftshader",  # 3D without a graphics card
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--autoplay-policy=no-user-gesture-required",
+)
+SIZES = {"kiosk": (1920, 1080), "portrait": (1080, 1920), "phone": (390, 844)}
+"""Screens that the page is made for: width and height in pixels."""
+Size = Literal["kiosk", "portrait", "phone"]
+
+
+@dataclass
+class OpenPage:
+    """A page in a browser, and everything that it said and asked for."""
+
+    page: Page
+    problems: list[str] = field(default_factory=list)
+    elsewhere: list[str] = field(default_factory=list)
+    """Requests to anybody but the page's own server."""
+
+    def phase(self, *names: str, patience_s: float = PATIENCE_S) -> None:
+        """Wait until the visitor's view is in one of these phases."""
+        wanted = ", ".join(f'.visit[data-phase="{name}"]' for name in names)
+        self.page.wait_for_selector(wanted, timeout=patience_s * 1000)
+
+    def says(self, text: str, patience_s: float = PATIENCE_S) -> None:
+        """Wait until the page shows these words, in any case."""
+        found = self.page.get_by_text(re.compile(re.escape(text), re.IGNORECASE))
+        found.filter(visible=True).first.wait_for(timeout=patience_s * 1000)
+
+    def press(self, name: str) -> None:
+        """Press a button by its words."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def type(self, text: str) -> None:
+        """Type a sentence and send it."""
+        line = self.page.locator(".entry__line").filter(visible=True).first
+        line.fill(text)
+        line.press("Enter")
+
+
+@dataclass
+class Visit:
+    """A cell with its page and a browser.
+
+    Attributes:
+        cell: the emulated cell and its daemon.
+        kiosk: the process that serves the page.
+        browser: a headless Chromium.
+    """
+
+    cell: RunningCell
+    kiosk: KioskProcess
+    browser: Browser
+    folder: Path
+
+    @contextmanager
+    def open(
+        self,
+        path: str = "",
+        size: Size = "kiosk",
+        *,
+        scheme: Literal["light", "dark"] = "light",
+        **options: Any,
+    ) -> Iterator[OpenPage]:
+        """Open one page, and watch what goes wrong on it.
+
+        Args:
+            path: after the page's address, such as ``operator`` or ``?lang=de``.
+            size: of the screen.
+            scheme: what the browser's system prefers.
+            options: further ones of ``Browser.new_context``.
+        """
+        width, height = SIZES[size]
+        context = self.browser.new_context(
+            viewport={"width": width, "height": height}, color_scheme=scheme, **options
+        )
+        page = context.new_page()
+        opened = OpenPage(page)
+        own = urlsplit(self.kiosk.url).netloc
+
+        def said(message: ConsoleMessage) -> None:
+            if message.type == "error":
+                opened.problems.append(message.text)
+
+        def asked(request: Request) -> None:
+            parts = urlsplit(request.url)
+            if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != own:
+                opened.elsewhere.append(request.url)
+
+        page.on("console", said)
+        page.on("pageerror", lambda error: opened.problems.append(str(error)))
+        page.on("request", asked)
+        try:
+            page.goto(self.kiosk.url + path)
+            yield opened
+        finally:
+            context.close()
+
+
+@contextmanager
+def chromium(*arguments: str) -> Iterator[Browser]:
+    """The Chromium that Debian packages, without a screen."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=[*ARGUMENTS, *arguments]
+        )
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+@contextmanager
+def visit(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[Visit]:
+    """A cell that asks before it builds, with its page and a browser.
+
+    Args:
+        speed: cell seconds per wall second.
+        sections: settings to change, by section.
+    """
+    config = cell_config(**{"policy": {"confirmation": "ask"}, **sections})
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        own = with_own_page(isolated(config, folder, speed))
+        with (
+            emulated_cell(own, speed) as world,
+            watched_daemon(own, folder, world) as cell,
+            kiosk_of(own, folder) as kiosk,
+            chromium() as browser,
+        ):
+            wait_idle(cell.client, cell.daemon)
+            yield Visit(cell, kiosk, browser, folder)
+
+
+@contextmanager
+def kiosk_of(config: CellConfig, folder: Path) -> Iterator[KioskProcess]:
+    """The page of that cell, as anybody would start it; its log is shown when a test fails."""
+    # The page library behaves otherwise in a process that has this variable of pytest's.
+    environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
+    with running_kiosk(config, folder, environment) as kiosk:
+        try:
+            yield kiosk
+        except BaseException:
+            print(kiosk.log_tail())  # noqa: T201 - pytest shows it
+            raise
