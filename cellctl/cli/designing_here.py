@@ -24,6 +24,7 @@ def design_here(request: Request, config: CellConfig) -> GeneratedMesh:
     async def compute(function: Callable[..., GeneratedMesh], *arguments: object) -> GeneratedMesh:
         return function(*arguments)
 
-    return asyncio.run(
+    designed = asyncio.run(
         design_by_chain(request, config, compute, lambda line: console.print(line, markup=False))
     )
+    return designed.mesh

@@ -115,6 +115,17 @@ def register(app: typer.Typer) -> None:
             show_reply(reply)
             raise typer.Exit(int(_see(cell, reply, wait)))
 
+    @app.command()
+    def another(
+        config: ConfigOption = None, role: RoleOption = Role.VISITOR, key: KeyOption = None
+    ) -> None:
+        """Answer "Shall I build it?" with: show me another one."""
+        with client(config, role, key) as cell:
+            cell.subscribe()
+            reply = cell.command("another")
+            show_reply(reply)
+            raise typer.Exit(int(await_question(cell, reply.job_id)))
+
     for name, text in _PLAIN.items():
         app.command(name, help=text)(_plain(name))
 

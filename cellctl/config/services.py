@@ -44,6 +44,9 @@ class PlanningSection(Section):
     1 to 5, its thresholds and its rescaling."""
     budget_s: Positive = 20.0
     """How long a plan may be improved; the best verified one so far is taken then (wall time)."""
+    others_budget_s: Positive = 2.0
+    """Where a shape cannot be built, or keeps too little of itself, others are planned until so
+    long after its own plan was begun (wall time)."""
     timeout_s: Positive = 60.0
     """For one plan (wall time); more than its budget, for it takes time beyond that."""
 

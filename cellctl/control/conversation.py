@@ -4,10 +4,28 @@ from __future__ import annotations
 
 from cellctl.assembly import Intent, Role, Utterance
 from cellctl.control.cell import Cell
+from cellctl.control.job import Job
 from cellctl.control.states import Event
 from cellctl.errors import RefusedError
 
-_HINT = "Say yes, no, or what to change, such as: make it taller."
+_HINT = "Say yes, no, another one, or what to change, such as: make it taller."
+
+
+async def take_another(cell: Cell, role: Role) -> str:
+    """Design another shape for the same wish, and ask again.
+
+    Raises:
+        RefusedError: nothing waits for an answer, or there can be no other.
+    """
+    job = _asked_about(cell, role)
+    if job.generated is None:
+        raise RefusedError("That is a plan of its own; I know no other.", _HINT)
+    await cell.controller.command(
+        Event.CHANGE,
+        job.begin_another,
+        unless=lambda: "" if cell.active_job is job else "That came too late.",
+    )
+    return "I am looking for another one."
 
 
 async def take_change(cell: Cell, utterance: Utterance, role: Role) -> str:
@@ -16,13 +34,7 @@ async def take_change(cell: Cell, utterance: Utterance, role: Role) -> str:
     Raises:
         RefusedError: it is no change and no wish, or shall not be built; the question stands.
     """
-    job = cell.active_job
-    if job is None:
-        raise RefusedError("Nothing waits for an answer any more.", "Say your wish again.")
-    if role is Role.VISITOR and job.role is not role:
-        raise RefusedError("The operator began this job; only the operator changes it.", _HINT)
-    if job.takes_apart:
-        raise RefusedError("I asked whether to take it apart.", "Say yes or no.")
+    job = _asked_about(cell, role)
     request = await cell.wishes.understand(utterance)
     if request.refusal:
         raise RefusedError(request.refusal, _HINT)
@@ -34,3 +46,19 @@ async def take_change(cell: Cell, utterance: Utterance, role: Role) -> str:
         unless=lambda: "" if cell.active_job is job else "That came too late.",
     )
     return "I am working out the change."
+
+
+def _asked_about(cell: Cell, role: Role) -> Job:
+    """The job that is asked about, which somebody of that role may change.
+
+    Raises:
+        RefusedError: there is none, or it is another's.
+    """
+    job = cell.active_job
+    if job is None or cell.controller.state != "validating_confirming":
+        raise RefusedError("Nothing waits for an answer.", "Say your wish.")
+    if role is Role.VISITOR and job.role is not role:
+        raise RefusedError("The operator began this job; only the operator changes it.", _HINT)
+    if job.takes_apart:
+        raise RefusedError("I asked whether to take it apart.", "Say yes or no.")
+    return job

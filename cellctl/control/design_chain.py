@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import importlib
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Awaitable, Callable, Collection
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from cellctl.config import CellConfig
 from cellctl.control.design_model import ask_model
@@ -27,8 +27,16 @@ if TYPE_CHECKING:
 Progress = Callable[[str], None]
 """Receives a line for the visitor."""
 
-_BY_MYSELF = frozenset({"description", "catalogue"})
+BY_MYSELF = frozenset({"description", "catalogue"})
+"""Generators that need no network."""
 _NAMES = {"meshy": "Meshy", "tripo": "Tripo", "server": "the model server"}
+
+
+class Designed(NamedTuple):
+    """A shape, and the generator of ``generating.chain`` that made it."""
+
+    mesh: GeneratedMesh
+    by: str
 
 
 class Compute(Protocol):
@@ -42,8 +50,13 @@ class Compute(Protocol):
 
 
 async def design_by_chain(
-    request: Request, config: CellConfig, compute: Compute, progress: Progress
-) -> GeneratedMesh:
+    request: Request,
+    config: CellConfig,
+    compute: Compute,
+    progress: Progress,
+    *,
+    skip: Collection[str] = (),
+) -> Designed:
     """The shape from the first generator of ``generating.chain`` that can make it.
 
     Its provenance says who made it, and why none before did.
@@ -53,6 +66,7 @@ async def design_by_chain(
         config: the cell.
         compute: runs what takes its time.
         progress: told how far a service is.
+        skip: generators that are not asked.
 
     Raises:
         NoObjectError: the request asks for no object, or for one that shall not be built.
@@ -63,8 +77,10 @@ async def design_by_chain(
     unknown: DesignError | None = None
     failed: DesignError | None = None
     for name in config.generating.chain:
+        if name in skip:
+            continue
         try:
-            if name in _BY_MYSELF:
+            if name in BY_MYSELF:
                 mesh = await compute(design_by, name, request, config)
             elif name == "model":
                 mesh = await _modelled(request, config, compute, progress)
@@ -75,7 +91,7 @@ async def design_by_chain(
             unknown = unknown or refusal
             passed.append(f"{name}: not known")
         except DesignError as refusal:
-            if name in _BY_MYSELF:
+            if name in BY_MYSELF:
                 raise  # it knows the object, and why it cannot be had so
             failed = refusal
             passed.append(f"{name}: {refusal.message}")
@@ -84,7 +100,7 @@ async def design_by_chain(
             if passed:
                 why = f"{mesh.provenance}; before it {'; '.join(passed)}"
                 mesh = dataclasses.replace(mesh, provenance=why)
-            return mesh
+            return Designed(mesh, name)
     if failed is not None and unknown is not None:
         raise DesignError(failed.message, f"{failed.hint} {unknown.hint}".strip()) from failed
     raise failed or unknown or DesignError("No generator is configured.")

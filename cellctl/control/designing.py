@@ -11,6 +11,7 @@ from cellctl.errors import DesignError, UsageError
 if TYPE_CHECKING:
     from cellctl.assembly import BuildPlan, Cell, Request
     from cellctl.config import CellConfig
+    from cellctl.control.proposals import Chosen, Proposals
     from cellctl.mesh import GeneratedMesh
 
 
@@ -19,8 +20,8 @@ def warm_up() -> None:
     # The solver counts against the first plan's budget if that has to load it.
     import ortools.sat.python.cp_model  # noqa: F401, PLC0415
 
-    import cellctl.generating.design  # noqa: PLC0415
-    import cellctl.validating.plan  # noqa: F401, PLC0415
+    import cellctl.control.candidates  # noqa: PLC0415
+    import cellctl.generating.design  # noqa: F401, PLC0415
 
 
 def design_by(name: str, request: Request, config: CellConfig) -> GeneratedMesh:
@@ -109,13 +110,24 @@ def redesign(mesh: GeneratedMesh | None, request: Request, config: CellConfig) -
     return realise(edited(mesh.description, request, config), config)
 
 
-def plan_build(
-    mesh: GeneratedMesh, config: CellConfig, available: int, progress: Callable[[str], None]
-) -> BuildPlan:
-    """A plan for a shape; see ``validating.plan``."""
-    from cellctl.validating import plan  # noqa: PLC0415
+def design_another(present: GeneratedMesh, wish: Proposals, config: CellConfig) -> GeneratedMesh:
+    """Another shape for a wish; see ``candidates``."""
+    from cellctl.control import candidates  # noqa: PLC0415
 
-    return plan.plan_build(mesh, config, available, progress)
+    return candidates.design_another(present, wish, config)
+
+
+def choose(
+    first: GeneratedMesh,
+    wish: Proposals,
+    config: CellConfig,
+    available: int,
+    progress: Callable[[str], None],
+) -> Chosen:
+    """A plan for a shape, or for a better one; see ``candidates``."""
+    from cellctl.control import candidates  # noqa: PLC0415
+
+    return candidates.choose(first, wish, config, available, progress)
 
 
 def plan_upload(

@@ -20,6 +20,7 @@ from cellctl.assembly import (
     Utterance,
 )
 from cellctl.control.acts import JobFiles, JobRecord
+from cellctl.control.proposals import Proposals
 from cellctl.control.states import Event
 from cellctl.messages import JobData, Outcome
 
@@ -97,6 +98,10 @@ class Job:
     """What is to be changed, while that is worked out."""
     before: Planned | None = None
     """What was asked about before that change."""
+    another: bool = False
+    """Whether another shape for the same wish is wanted, while that is worked out."""
+    proposals: Proposals = field(default_factory=Proposals)
+    """What was shown for the wish."""
     note: str = ""
     """Why the last change could not be made."""
     outcome: Outcome = ""
@@ -229,9 +234,16 @@ class Job:
         self.before = Planned(self.request, self.generated, self.plan)
         self.phase = Phase.GENERATING
 
+    def begin_another(self) -> None:
+        """Design another shape for the same wish."""
+        self.another, self.note = True, ""
+        self.before = Planned(self.request, self.generated, self.plan)
+        self.phase = Phase.GENERATING
+
     def end_change(self) -> None:
         """What is planned now is what is asked about."""
         self.change = self.before = None
+        self.another = False
 
     def undo_change(self, why: str) -> None:
         """Ask again about what was planned before."""
@@ -264,6 +276,11 @@ class Job:
             Grip.PART: Event.RESUME_PLACING,
             Grip.RELEASING: Event.RESUME_VERIFYING,
         }[grip]
+
+    @property
+    def shows_another(self) -> bool:
+        """Whether its shape is another one than was designed for the wish first."""
+        return self.proposals.asked not in (None, self.generated)
 
     def record(self) -> JobRecord:
         """As the journal keeps it."""

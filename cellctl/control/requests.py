@@ -14,7 +14,7 @@ from cellctl.control.archive import Archive
 from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
-from cellctl.control.conversation import take_change
+from cellctl.control.conversation import take_another, take_change
 from cellctl.control.door import Answer
 from cellctl.control.ears import LiveEars
 from cellctl.control.job import Job
@@ -75,6 +75,7 @@ _WORDS: dict[str, str | bool] = {
     "resume": "resume",
     "cancel": "cancel",
     "take_apart": "take_apart",
+    "another": "another",
     "yes": True,
     "no": False,
 }
@@ -188,6 +189,8 @@ class RequestDesk:
             yes = job.confirm_event() if job is not None else Event.CONFIRM
             await controller.command(yes if word else Event.DECLINE)
             return "Then I begin." if word else "Then I leave it."
+        if word == "another":
+            return await take_another(self._cell, role)
         if word == "cancel":
             self._refuse_to_cancel_anothers(role)
         if word == "take_apart":
@@ -263,9 +266,11 @@ class RequestDesk:
             CellctlError: why it is not done.
         """
         word = spoken_command(utterance.text)
+        asks = self._cell.controller.state == "validating_confirming"
         if word is not None:
-            return await self._spoken_word(word, role)
-        if self._cell.controller.state == "validating_confirming":
+            # Before anything is built, "another one" is another shape for the same wish.
+            return await self._spoken_word("another" if asks and word == "again" else word, role)
+        if asks:
             return await take_change(self._cell, utterance, role)
         await self._cell.controller.command(
             Event.SAY, lambda: self._cell.begin(Job(role, utterance=utterance))

@@ -105,13 +105,14 @@ class Sentences:
         notes = [*(change.what for change in plan.changes), *plan.questions]
         asked = self._line(
             "ask.change_over" if job.removes else "ask.build",
-            object=plan.title[:1].upper() + plan.title[1:],
+            object=plan.title[:1].upper() + plan.title[1:] + _source(plan),
             size=sizes,
             amount=self._amount(len(plan.assembly.cells), plan),
             notes="".join(f" {note}" for note in notes),
         )
         if not job.note:
-            return asked
+            other = job.shows_another
+            return self._line("ask.another", question=asked.text) if other else asked
         return self._line("ask.unchanged", why=job.note, question=asked.text)
 
     def _amount(self, parts: int, plan: BuildPlan) -> str:
@@ -146,6 +147,12 @@ class Sentences:
             return self.wording.text("done.dropped")
         key = "done.stopped_moves" if job.removes else "done.stopped_parts"
         return self.wording.text(key, done=job.placed, total=len(job.plan.steps))
+
+
+def _source(plan: BuildPlan) -> str:
+    """Who made the shape, without details, where it was not designed here."""
+    source = plan.provenance.partition(";")[0].partition(" (")[0].partition(": ")[0]
+    return "" if source in ("", "from a description") else f", {source}"
 
 
 def _joined(lines: list[Line]) -> Line:

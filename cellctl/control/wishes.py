@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import structlog
 
@@ -15,18 +16,20 @@ from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
 from cellctl.control.controller import Post
-from cellctl.control.design_chain import design_by_chain
+from cellctl.control.design_chain import BY_MYSELF, design_by_chain
 from cellctl.control.designing import (
     change_over,
-    plan_build,
+    choose,
+    design_another,
     plan_upload,
     redesign,
     take_apart,
 )
 from cellctl.control.job import Job, Phase
 from cellctl.control.ledger import Ledger
+from cellctl.control.proposals import Proposals
 from cellctl.control.states import Event
-from cellctl.errors import CellctlError, CellFault, NoObjectError
+from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
@@ -120,25 +123,59 @@ class Wishes:
     async def generate(self, job: Job, post: Post) -> None:
         """Design the shape, or change it."""
         with _or_as_before(job, post):
-            request = job.change or job.request
-            assert request is not None
-            if request.intent is Intent.EDIT:
-                generated = await self._compute(redesign, job.generated, request, self._config)
-                replaces = any(edit.op == "replace" for edit in request.edits)
-                if job.request is not None and not replaces:
-                    edits = (*job.request.edits, *request.edits)
-                    request = job.request.model_copy(update={"edits": edits})
-            else:
-                tell = partial(self._tell, job)
-                generated = await design_by_chain(request, self._config, self._compute, tell)
-
+            wish = await (self._another(job) if job.another else self._asked(job))
+            generated = wish.generated
             log.info("designed", title=generated.title, provenance=generated.provenance)
 
             def keep() -> None:
-                job.request, job.generated, job.message = request, generated, ""
+                job.request, job.generated, job.message = wish.request, generated, ""
+                job.proposals = wish.proposals
                 job.phase = Phase.VALIDATING
 
             post(Event.DESIGNED, keep)
+
+    async def _asked(self, job: Job) -> _Wish:
+        """What was asked for, or the change that was."""
+        request = job.change or job.request
+        assert request is not None
+        services: frozenset[str] = frozenset()
+        if request.intent is Intent.EDIT:
+            generated = await self._compute(redesign, job.generated, request, self._config)
+            replaces = any(edit.op == "replace" for edit in request.edits)
+            if job.request is not None and not replaces:
+                edits = (*job.request.edits, *request.edits)
+                request = job.request.model_copy(update={"edits": edits})
+        else:
+            tell = partial(self._tell, job)
+            designed = await design_by_chain(request, self._config, self._compute, tell)
+            generated = designed.mesh
+            services = frozenset({designed.by} - BY_MYSELF)
+        return _Wish(request, generated, Proposals(request, generated, services=services))
+
+    async def _another(self, job: Job) -> _Wish:
+        """Another shape for the same wish; services are asked when nothing else is left.
+
+        Raises:
+            DesignError: there is no other.
+        """
+        present = job.generated
+        if present is None:
+            raise DesignError("I have nothing else for it.", "Say what it should be.")
+        wish = job.proposals if job.proposals.asked else Proposals(job.request, present)
+        try:
+            generated = await self._compute(design_another, present, wish, self._config)
+        except DesignError:
+            left = set(self._config.generating.chain) - BY_MYSELF - wish.services
+            if wish.request is None or not left:
+                raise
+            skip, tell = BY_MYSELF | wish.services, partial(self._tell, job)
+            # What is asked is paid for, whatever comes of it.
+            job.proposals = replace(wish, services=wish.services | left)
+            generated, by = await design_by_chain(
+                wish.request, self._config, self._compute, tell, skip=skip
+            )
+            wish = replace(wish, services=wish.services | {by})
+        return _Wish(job.request, generated, wish)
 
     def _compute(
         self, function: Callable[..., GeneratedMesh], *arguments: object
@@ -164,16 +201,16 @@ class Wishes:
                 post(events[name])
 
         with _or_as_before(job, post):
-            plan = await self._planned(job, progress)
+            generated, plan = await self._planned(job, progress)
             for name in events:
                 progress(name)
-            self._ask(job, plan, post)
+            self._ask(job, generated, plan, post)
 
-    def _ask(self, job: Job, plan: BuildPlan, post: Post) -> None:
+    def _ask(self, job: Job, generated: GeneratedMesh | None, plan: BuildPlan, post: Post) -> None:
         """Ask whether to build it, unless the policy says yes already."""
 
         def keep() -> None:
-            job.plan = plan
+            job.generated, job.plan = generated, plan
             job.end_change()
             job.phase = Phase.CONFIRMING
             log.info("planned", title=plan.title, parts=plan.parts, plan=plan.plan_id)
@@ -189,8 +226,10 @@ class Wishes:
         else:
             post(Event.PLANNED, keep)
 
-    async def _planned(self, job: Job, progress: Callable[[str], None]) -> BuildPlan:
-        """A plan; where something stands, one that changes it over."""
+    async def _planned(
+        self, job: Job, progress: Callable[[str], None]
+    ) -> tuple[GeneratedMesh | None, BuildPlan]:
+        """A plan and the shape that it is for; where something stands, one that changes it over."""
         call = self._designer.call
         timeout_s = self._config.planning.timeout_s
         ledger = self._ledger()
@@ -198,16 +237,14 @@ class Wishes:
         # A part in the gripper will be laid back, or built in: it counts as on the belt.
         on_belt = counts.belt + counts.gripper
         if job.takes_apart:
-            return await call(
+            return None, await call(
                 take_apart, standing, self._config, on_belt,
                 timeout_s=timeout_s, progress=progress,
             )  # fmt: skip
         available = counts.available + len(standing)
-        if job.generated is not None:
-            plan = await call(
-                plan_build, job.generated, self._config, available,
-                timeout_s=timeout_s, progress=progress,
-            )  # fmt: skip
+        generated = job.generated
+        if generated is not None:
+            generated, plan = await self._chosen(job, generated, available, progress)
         else:
             assert job.upload is not None
             name, content = job.upload_name, job.upload
@@ -215,9 +252,34 @@ class Wishes:
                 plan_upload, name, content, self._config, available,
                 timeout_s=timeout_s, progress=progress,
             )  # fmt: skip
-        if not standing:
-            return plan
-        return await call(change_over, plan, standing, self._config, on_belt, timeout_s=timeout_s)
+        if standing:
+            plan = await call(
+                change_over, plan, standing, self._config, on_belt, timeout_s=timeout_s
+            )
+        return generated, plan
+
+    async def _chosen(
+        self, job: Job, first: GeneratedMesh, available: int, progress: Callable[[str], None]
+    ) -> tuple[GeneratedMesh, BuildPlan]:
+        """The shape, or a better one for the same wish, and its plan.
+
+        Raises:
+            CellctlError: why none can be planned.
+        """
+        config, wish = self._config, job.proposals
+        planning = config.planning
+        if job.another:
+            # Who asks for another one has had a first answer, and can wait longer.
+            longer = planning.model_copy(update={"others_budget_s": planning.budget_s})
+            config = config.model_copy(update={"planning": longer})
+        chosen = await self._designer.call(
+            choose, first, wish, config, available, timeout_s=planning.timeout_s, progress=progress
+        )
+        job.proposals = replace(wish, shown=wish.shown | chosen.tried)
+        if chosen.plan is None:
+            assert chosen.refusal is not None, "what has no plan was refused"
+            raise chosen.refusal
+        return chosen.mesh or first, chosen.plan
 
     async def confirm(self, job: Job, post: Post) -> None:
         """Wait for a yes; silence means no."""
@@ -227,6 +289,14 @@ class Wishes:
             job.message = self._wording.text("done.silence")
 
         post(Event.DECLINE, silence)
+
+
+class _Wish(NamedTuple):
+    """What is wanted, as it was designed."""
+
+    request: Request | None
+    generated: GeneratedMesh
+    proposals: Proposals
 
 
 @contextmanager

@@ -109,8 +109,8 @@ def shape_of(
     return mesh_of(tuple(boxes), resolution_m)
 
 
-def find_entry(request: Request, catalogue: Catalogue, most_parts: int) -> Entry | None:
-    """The object that a request means; None for none.
+def find_entries(request: Request, catalogue: Catalogue, most_parts: int) -> list[Entry]:
+    """The objects that a request may mean, the best first.
 
     The whole phrase counts most, then the noun; among those that mean the same, one that needs no
     more parts than there are, then the one nearest to the stated sizes, then the smallest.
@@ -131,8 +131,7 @@ def find_entry(request: Request, catalogue: Catalogue, most_parts: int) -> Entry
         off = sum(abs(wanted[axis] - size) for axis, size in request.dimensions_m.items())
         return (-meaning(entry), entry.parts > most_parts, off, entry.parts, entry.entry_id)
 
-    found = [entry for entry in catalogue.entries if meaning(entry)]
-    return min(found, key=rank, default=None)
+    return sorted((entry for entry in catalogue.entries if meaning(entry)), key=rank)
 
 
 class CatalogueGenerator:
@@ -148,24 +147,27 @@ class CatalogueGenerator:
             ConfigError: there is no catalogue that can be read.
         """
         catalogue = load_catalogue(config.generating.catalogue)
-        entry = find_entry(request, catalogue, config.limits.inventory_parts)
-        if entry is None:
+        found = find_entries(request, catalogue, config.limits.inventory_parts)
+        if not found:
             wish = request.phrase if request.phrase not in ("", "false") else "that"
             raise UnknownObjectError(f"There is no {wish} in the catalogue.")
-        vertices, faces = shape_of(entry, catalogue.resolution_m)
-        if faces_visitors_by_turning(config):
-            vertices = vertices * np.array([-1.0, -1.0, 1.0])
-        return GeneratedMesh(
-            vertices=vertices,
-            faces=faces,
-            metric=not request.dimensions_m,
-            title=entry.name,
-            provenance=(
-                f"from the catalogue, by {entry.creator}, {entry.licence} ({entry.entry_id})"
-            ),
-            stated_dimensions_m={str(k): v for k, v in request.dimensions_m.items()},
-            changes=unpromised(request, f"{with_article(entry.name)} of the catalogue"),
-        )
+        return mesh_of_entry(found[0], request, config)
+
+
+def mesh_of_entry(entry: Entry, request: Request, config: CellConfig) -> GeneratedMesh:
+    """One object of the configured catalogue, as the shape for a request."""
+    vertices, faces = shape_of(entry, load_catalogue(config.generating.catalogue).resolution_m)
+    if faces_visitors_by_turning(config):
+        vertices = vertices * np.array([-1.0, -1.0, 1.0])
+    return GeneratedMesh(
+        vertices=vertices,
+        faces=faces,
+        metric=not request.dimensions_m,
+        title=entry.name,
+        provenance=f"from the catalogue, by {entry.creator}, {entry.licence} ({entry.entry_id})",
+        stated_dimensions_m={str(k): v for k, v in request.dimensions_m.items()},
+        changes=unpromised(request, f"{with_article(entry.name)} of the catalogue"),
+    )
 
 
 def unpromised(request: Request, what: str) -> tuple[Change, ...]:

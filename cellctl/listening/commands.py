@@ -63,6 +63,22 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("do it again", "do that again", "build it again", "make it again", "build another one"),
         *("make another one", "another one", "one more", "the same again", "once more", "again"),
     ),
+    "another": (
+        *("show me another", "show me another one", "show another", "show me a different one"),
+        *("give me another", "give me another one", "try another", "try another one", "try again"),
+        *("something different", "something else", "show me something else", "a different one"),
+        *("show me something different", "try something else", "try something different"),
+        *("not like that", "not like this", "no not like that", "no something else"),
+        *("another design", "a different design", "another version", "no another one"),
+        *("no something different", "no show me another", "no show me another one"),
+        *("show me another design", "show me a different design", "show me another version"),
+        *("do you have another one", "do you have another", "have you got another one"),
+        *("do you have something else", "do you have anything else", "have you got anything else"),
+        *("anything else", "what else do you have", "what else have you got", "next", "next one"),
+        *("the next one", "show me the next one", "can i see another", "can i see another one"),
+        *("i don't like it", "i don't like that", "i don't like that one", "i don't like this one"),
+        *("no i don't like it", "no i don't like that", "i'd prefer another one"),
+    ),
     "help": ("help", "help me"),
 }
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}
@@ -85,7 +101,7 @@ def spoken_command(text: str) -> str | None:
 
     Returns:
         One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``take_apart``,
-        ``repeat``, ``again`` and ``help``.
+        ``repeat``, ``again``, ``another`` and ``help``.
     """
     letters = re.sub(r"[^a-z' ]+", " ", text.lower().replace("’", "'"))  # noqa: RUF001
     plain = " ".join(letters.split())

@@ -76,8 +76,9 @@ class PlainCommand(Value):
     """A command without arguments."""
 
     command: Literal[
-        "pause", "resume", "stop", "cancel", "reset", "clear", "hand_over", "take_apart"
+        "pause", "resume", "stop", "cancel", "reset", "clear", "hand_over", "take_apart", "another"
     ]
+    """``another``: instead of yes or no, show another shape for the same wish."""
 
 
 class RefillCommand(Value):

@@ -53,6 +53,15 @@ def asked(cell: RunningCell, *words: str) -> str:
     return snapshot.state.sentence
 
 
+def asked_anew(cell: RunningCell, before: str) -> str:
+    """What the cell asks, once that is something else than before."""
+    snapshot = cell.wait(
+        "another question",
+        lambda seen: seen.state.state == "validating_confirming" and seen.state.sentence != before,
+    )
+    return snapshot.state.sentence
+
+
 def test_a_change_said_while_it_asks_is_planned_and_asked_about(idle: RunningCell) -> None:
     idle.visitor.say("a stool thirty centimetres high")
     asked(idle, "Stool", " x 30 cm")
@@ -70,6 +79,28 @@ def test_a_change_said_while_it_asks_is_planned_and_asked_about(idle: RunningCel
     idle.visitor.confirm(False)
     assert idle.finish().outcome == "declined"
     assert idle.truth().built == ()
+
+
+def test_another_shape_is_shown_until_there_is_none(idle: RunningCell) -> None:
+    with pytest.raises(RefusedError, match="Nothing waits"):
+        idle.visitor.say("show me another")
+    idle.visitor.say("the letter T")
+    first = asked(idle, "Letter T", "Shall I build it?")
+    assert "another" in idle.visitor.say("something different please").message
+    second = asked(idle, "Here is another one. Letter T")
+    idle.visitor.command("another")
+    third = asked(idle, "Here is another one. Letter T", " x 50 cm")
+    assert len({first, second, third}) == 3
+    last = third
+    for _ in range(4):
+        idle.visitor.say("not like that")
+        last = asked_anew(idle, last)
+        if "I know no other" in last:
+            break
+    assert "I know no other shape for it" in last
+    assert "So it stays as it was" in last
+    idle.visitor.confirm(False)
+    assert idle.finish().outcome == "declined"
 
 
 def test_pause_waits_for_a_safe_point_and_resume_goes_on(idle: RunningCell) -> None:

@@ -50,7 +50,7 @@ async def _here(function: Callable[..., GeneratedMesh], *arguments: object) -> G
 
 def designed(settings: CellConfig, phrase: str = "violin", **more: Any) -> GeneratedMesh:
     wish = Request(text=phrase, intent=Intent.DESIGN, phrase=phrase, objects=(phrase,), **more)
-    return asyncio.run(design_by_chain(wish, settings, _here, lambda _: None))
+    return asyncio.run(design_by_chain(wish, settings, _here, lambda _: None)).mesh
 
 
 def test_what_no_family_knows_is_described_and_can_be_built(server: ModelServer) -> None:

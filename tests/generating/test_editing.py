@@ -13,6 +13,7 @@ from cellctl.description import FamilyDescription, PartsDescription, SpherePart
 from cellctl.errors import DesignError
 from cellctl.generating.describing import realise
 from cellctl.generating.editing import edited
+from cellctl.generating.families import FAMILIES
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import fit
 from cellctl.validating.rules import size_of
@@ -55,6 +56,17 @@ def test_taller_is_one_part_taller_and_keeps_the_rest() -> None:
 )
 def test_a_stated_change_of_height(edit: Edit, height: int) -> None:
     assert size_of(cells(edited(family("stool", 0.5), wish(edit), CONFIG)))[2] == height
+
+
+@pytest.mark.parametrize("name", [family.name for family in FAMILIES])
+def test_each_family_can_be_changed_as_it_was_designed(name: str) -> None:
+    """What a family decided on by itself is taken back when its description is made again."""
+    wanted = family(name, glyph="T") if name == "letter" else family(name)
+    designed = realise(wanted, CONFIG)
+    assert isinstance(designed.description, FamilyDescription)
+    again = realise(designed.description, CONFIG)
+    assert again.title.startswith(designed.title)
+    assert np.array_equal(again.vertices, designed.vertices)
 
 
 def test_two_more_tiers_are_two_more_even_where_a_height_was_stated() -> None:

@@ -60,7 +60,7 @@ def designed(
     settings: CellConfig, request: Request | None = None, told: list[str] | None = None
 ) -> GeneratedMesh:
     lines = told if told is not None else []
-    return asyncio.run(design_by_chain(request or wish(), settings, _here, lines.append))
+    return asyncio.run(design_by_chain(request or wish(), settings, _here, lines.append)).mesh
 
 
 def refusal(settings: CellConfig, told: list[str] | None = None) -> str:

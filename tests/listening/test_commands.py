@@ -49,6 +49,9 @@ from cellctl.listening.commands import spoken_command
         ("please don't", "no"),
         ("say it again please", "repeat"),
         ("one more please", "again"),
+        ("No, show me another one please.", "another"),
+        ("something different", "another"),
+        ("not like that", "another"),
     ],
 )
 def test_control_words_are_commands(text: str, command: str) -> None:

@@ -91,7 +91,7 @@ class Brief:
         value = self.attributes.get(name)
         if value is None or isinstance(value, bool) or not isinstance(value, int):
             value = default
-        elif not known.least <= value <= known.most:
+        elif value != default and not known.least <= value <= known.most:
             part = name.removesuffix("es") if name == "arches" else name.removesuffix("s")
             limit = (
                 f"at least {counted(known.least, part)}"
