@@ -6,6 +6,7 @@ import asyncio
 import itertools
 import socket
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 
 import structlog
@@ -52,7 +53,6 @@ class ArmChild:
 
     Attributes:
         state: the newest state; None before the first, and after the end.
-        speed_fraction: the speed slider while no movement is being started.
     """
 
     def __init__(
@@ -61,9 +61,10 @@ class ArmChild:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         heartbeat_s: float,
+        chosen: Callable[[float], None],
     ) -> None:
         self.state: ArmState | None = None
-        self.speed_fraction: float | None = None
+        self._chosen = chosen
         self._process = process
         self._writer = writer
         self._numbers = itertools.count(1)
@@ -77,11 +78,12 @@ class ArmChild:
         ]
 
     @classmethod
-    async def start(cls, heartbeat_s: float) -> ArmChild:
+    async def start(cls, heartbeat_s: float, chosen: Callable[[float], None]) -> ArmChild:
         """Start an arm process.
 
         Args:
             heartbeat_s: how often it hears that this event loop is alive (wall time).
+            chosen: hears where the speed slider is while no movement is being started.
         """
         ours, theirs = socket.socketpair()
         try:
@@ -100,7 +102,7 @@ class ArmChild:
             ours.close()
             raise
         reader, writer = await asyncio.open_connection(sock=ours, limit=LINE_LIMIT_BYTES)
-        return cls(process, reader, writer, heartbeat_s)
+        return cls(process, reader, writer, heartbeat_s, chosen)
 
     @property
     def alive(self) -> bool:
@@ -181,7 +183,7 @@ class ArmChild:
         message = ANSWERS.validate_json(line)
         if isinstance(message, Report):
             self.state = message.state
-            self.speed_fraction = message.speed_fraction
+            self._chosen(message.speed_fraction)
             return
         waiting = self._waiting.get(message.number)
         if waiting is None or waiting.done():

@@ -194,6 +194,9 @@ class Link:
             if time.monotonic() > deadline_s:
                 raise CellFault("motion_timeout", "The speed slider does not go to 0.")
             yield
+            # Somebody may have moved it a moment before, which no state had shown yet.
+            if self.sample.speed_fraction >= GATE_OPEN_FRACTION:
+                self.speed_fraction = self.sample.speed_fraction
 
     def open_gate(self) -> None:
         """Put the speed slider back to where it was before the gate was closed."""

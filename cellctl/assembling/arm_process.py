@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+from pathlib import Path as FilePath
 
 import structlog
 
@@ -28,6 +29,7 @@ from cellctl.assembling.arm_messages import (
     Verify,
     WaitInput,
 )
+from cellctl.assembling.chosen_speed import ChosenSpeed
 from cellctl.assembling.frames import Frames
 from cellctl.assembling.kinematics import Kinematics
 from cellctl.config import CellConfig, Joints
@@ -47,9 +49,11 @@ class RemoteArm:
 
     Args:
         config: the cell.
+        speed_file: where the speed that somebody chose on the pendant is kept; None forgets it with
+            this object.
     """
 
-    def __init__(self, config: CellConfig) -> None:
+    def __init__(self, config: CellConfig, speed_file: FilePath | None = None) -> None:
         self._config = config
         self._frames = Frames(config)
         self._kinematics = Kinematics(config.robot.model)
@@ -58,7 +62,7 @@ class RemoteArm:
         self._ordered: dict[int, bool] = {}
         """The level that each output was last ordered to have; arm processes come and go."""
         self._loss: CellFault | None = None
-        self._speed_fraction = 1.0
+        self._chosen_speed = ChosenSpeed(speed_file)
         self._changing = asyncio.Lock()
         """Held while one arm process takes the place of another."""
 
@@ -168,7 +172,8 @@ class RemoteArm:
             return identity
 
     async def _start(self) -> ArmChild:
-        return await ArmChild.start(heartbeat_s=self._config.robot.host_silence_s / 5.0)
+        heartbeat_s = self._config.robot.host_silence_s / 5.0
+        return await ArmChild.start(heartbeat_s, self._chosen_speed.choose)
 
     async def _connected(
         self, child: ArmChild, timeout_s: float, *, recover: bool = False, inspect: bool = False
@@ -180,7 +185,7 @@ class RemoteArm:
             tcp=tool.frame,
             payload_kg=tool.payload_kg,
             payload_cog_m=tool.payload_cog_m,
-            speed_fraction=self._speed_fraction,
+            speed_fraction=self._chosen_speed.fraction,
             recover=recover,
             inspect=inspect,
         )
@@ -234,5 +239,4 @@ class RemoteArm:
     async def _drop(self) -> None:
         child, self._child, self._identity = self._child, None, None
         if child is not None:
-            self._speed_fraction = child.speed_fraction or self._speed_fraction
             await child.kill()

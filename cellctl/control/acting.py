@@ -14,7 +14,7 @@ from contextlib import asynccontextmanager
 
 import structlog
 
-from cellctl.assembly import Cell, Step
+from cellctl.assembly import Cell, Step, StepKind
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.act_report import ActReport, called
@@ -90,6 +90,11 @@ class Acting:
             return Grip.LATCHING if latching else Grip.RELEASING
         return Grip.PART if self.ledger.holding else Grip.NOTHING
 
+    @property
+    def gripped(self) -> Cell | None:
+        """The cell of the standing part that the gripper has hold of, or may have."""
+        return self.ledger.gripped
+
     async def settle_cut(self, step: Step | None) -> None:
         """Decide what the acts came to that were cut off, by what the devices say now.
 
@@ -162,8 +167,8 @@ class Acting:
         assert self.ledger.holding, "only a part that counts as held can be missed"
         self.doubt = Doubt(act_id=None, kind=ActKind.PLACE, sentence=sentence, believed=believed)
 
-    async def recover(self, part: PartPlace, step: Step | None) -> None:
-        """An operator says where the part is that was on its way.
+    async def recover(self, part: PartPlace, job: Job | None) -> None:
+        """An operator says where the part is that was on its way, in the job under way.
 
         Raises:
             RefusedError: there is no such part, or the latch still holds it.
@@ -180,7 +185,8 @@ class Acting:
                 "`cellctl hand open --part-held`.",
             )
         outcome, moves = moves_to(doubt, part)
-        if part == "cell" and step is None and doubt.act_id is None:
+        cell = self._cell_of_held(job)
+        if part == "cell" and cell is None and doubt.act_id is None:
             raise UsageError("No job is under way whose cell the part could be at.")
         if part == "gripper" and self._hands.is_told_open():
             raise UsageError("The latch is open, so the part cannot be in the gripper.")
@@ -189,10 +195,40 @@ class Acting:
             indexes = (await self._belt.state()).indexes if doubt.kind is ActKind.PICK else None
             self._journal.settle(doubt.act_id, outcome, detail, moves, indexes)
         elif moves:
-            cell = step.cell if step is not None and part == "cell" else None
-            await self._journal.record(ActKind.SETTLE, cell=cell, detail=detail, moves=moves)
+            at = cell if part == "cell" else None
+            await self._journal.record(ActKind.SETTLE, cell=at, detail=detail, moves=moves)
         self.doubt = self._open_act = None
         self._lifted = self._vouched = part == "gripper"
+
+    def _cell_of_held(self, job: Job | None) -> Cell | None:
+        """Where the part in the gripper stands if it is "at its cell": where it was taken off, as
+        long as it does not go on to another cell."""
+        step, taken_from = job.step if job is not None else None, self.ledger.taken_from
+        goes_on = (
+            job is not None
+            and not job.cancelling
+            and step is not None
+            and step.kind is StepKind.PLACE
+        )
+        if taken_from is not None and not goes_on:
+            return taken_from
+        return step.cell if step is not None else None
+
+    def part_is_missing(self, cell: Cell) -> None:
+        """An operator says that a part no longer stands: whatever the latch was about to do with it
+        is over."""
+        open_act = self._open_act
+        if open_act is None:
+            return
+        acts = {act.act_id: act for act in self._journal.unsettled()}
+        if acts[open_act[0]].cell == cell:
+            detail = "an operator says that the part is missing"
+            self._journal.settle(open_act[0], "failed", detail)
+            self.doubt = self._open_act = None
+
+    def end_job(self) -> None:
+        """No job waits for the part that the belt was asked for."""
+        self._end_feed("interrupted", "the job has ended")
 
     def _undoubted(self) -> Doubt:
         """The part that was on its way, as if it were in doubt.
@@ -208,6 +244,11 @@ class Acting:
         return Doubt(act_id=None, kind=ActKind.PLACE, sentence="", believed="gripper")
 
     # --- acts ----------------------------------------------------------------------------------
+
+    def _end_feed(self, outcome: Outcome, detail: str = "") -> None:
+        act_id, self._feed_act = self._feed_act, None
+        if act_id is not None:
+            self._journal.settle(act_id, outcome, detail)
 
     def _latch_moves(self, kind: ActKind) -> None:
         """From here on only the devices, or a person, can say what became of the act."""

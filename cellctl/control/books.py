@@ -133,6 +133,7 @@ class Books:
                 )
         await cell.controller.command(Event.BOOK, unless=self._why_not_missing)
         for place in said.cells:
+            cell.builder.part_is_missing(place)
             await cell.record(ActKind.MISSING, at=place, moves=(Move.LOSE_PLACED,))
         return f"{_parts(len(gone))} missing, and unknown now; a build that goes on fills the gap."
 

@@ -13,7 +13,7 @@ from cellctl.assembly import Cell, PartOutcome, Step
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.acting import Acting
-from cellctl.control.acts import ActKind, Outcome
+from cellctl.control.acts import ActKind
 from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
 from cellctl.control.moving import ArmAndLatch
@@ -280,8 +280,3 @@ class Builder(Acting):
         if self._feed_act is None:
             self._feed_act = await self._journal.intend(ActKind.FEED, job.job_id)
         self._belt.request_part()
-
-    def _end_feed(self, outcome: Outcome, detail: str = "") -> None:
-        act_id, self._feed_act = self._feed_act, None
-        if act_id is not None:
-            self._journal.settle(act_id, outcome, detail)

@@ -177,7 +177,7 @@ class Cell:
         if self.builder.putting_back_cut_off:
             # Whatever the plan wants next: a job that is cancelled may have one part to place.
             return Event.RESUME_PUTTING_BACK
-        return job.resume_event(self.builder.grip)
+        return job.resume_event(self.builder.grip, self.builder.gripped)
 
     async def record(
         self,
@@ -202,8 +202,7 @@ class Cell:
 
     async def recover_part(self, part: PartPlace) -> None:
         """An operator says where the part is that was on its way; see ``Builder.recover``."""
-        job = self.active_job
-        await self.builder.recover(part, job.step if job is not None else None)
+        await self.builder.recover(part, self.active_job)
         self._stood_anew()
 
     async def resume_doubt(self) -> None:
@@ -312,6 +311,7 @@ class Cell:
             self.wishes.recording = None
             job.finished_s = self._clock.now_s()
             job.finished_at = self._clock.wall_time()
+            self.builder.end_job()
             log.info("job ends", outcome=job.outcome, message=job.message)
             structlog.contextvars.unbind_contextvars("job")
 

@@ -63,7 +63,7 @@ class Daemon:
         self.clock: Clock = SystemClock(config.cell.clock_rate)
         self.bus = Bus(config.bus, self.clock, config.hearing.max_audio_s)
         self.loop_monitor = LoopMonitor()
-        self.arm: Arm = RemoteArm(config)
+        self.arm: Arm = RemoteArm(config, Path(config.journal.path).with_suffix(".speed"))
         self.hearing = Hearing(config.hearing)
         self.designer = WorkerProcess("planner")
         self.journal = SqliteJournal(

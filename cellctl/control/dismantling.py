@@ -7,6 +7,8 @@ the moment at which it is off its cell, which the arm's pose tells.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 import structlog
@@ -17,6 +19,7 @@ from cellctl.control.acts import ActKind
 from cellctl.control.building import Builder
 from cellctl.control.job import Grip, Job
 from cellctl.control.recovery import Doubt
+from cellctl.control.touch import Travel
 from cellctl.errors import CellFault
 from cellctl.feeding.inventory import Move
 
@@ -79,6 +82,11 @@ class Dismantler(Builder):
             hands.expect_at(hands.routes.place_stance(step.cell))
             self._latch_moves(ActKind.GRIP)
             await hands.close()
+
+    @property
+    def gripping_cut_off(self) -> bool:
+        """Whether the latch was told to close on a part that stands, and has not confirmed it."""
+        return self._open_act is not None and self._open_act[1] is ActKind.GRIP
 
     @property
     def taking_cut_off(self) -> bool:
@@ -205,17 +213,40 @@ class Dismantler(Builder):
         """Open the latch on a part that it has gripped and that shall stand where it does.
 
         Raises:
-            CellFault: of the gripper, or ``arm_moved``.
+            CellFault: of the gripper, ``arm_moved``, or ``part_stuck``: it does not come off.
         """
         cell = self.ledger.gripped
         if cell is None or self.ledger.holding:
             return
-        self._hands.expect_at(self._hands.routes.place_stance(cell))
         async with self._act(ActKind.LET_STAND, job):
-            await self._travel(
-                lambda start, placed: self._hands.routes.back_to_grip(cell, placed, start), job
-            )
-            await self._hands.open()
+            await self._leave_standing(cell, partial(self._travel, job=job))
+
+    async def let_stand_by_hand(self, speed_fraction: float) -> bool:
+        """As ``let_stand``, by an operator's order; False where nothing is gripped.
+
+        Args:
+            speed_fraction: share of the usual speed.
+
+        Raises:
+            CellFault: of the arm or the gripper, ``arm_moved``, or ``part_stuck``.
+        """
+        cell = self.ledger.gripped
+        if cell is None or self.ledger.holding:
+            return False
+
+        async def travel(plan: Callable[[Stance, frozenset[Cell]], Route]) -> None:
+            await self._hands.travel(plan, self.standing, speed_fraction=speed_fraction)
+
+        await self._leave_standing(cell, travel)
+        return True
+
+    async def _leave_standing(self, cell: Cell, travel: Travel) -> None:
+        """Bring a part that is gripped, and may hang a little above its seat, back to it; open the
+        latch, and feel that the gripper is free of it."""
+        self._hands.expect_at(self._hands.routes.place_stance(cell))
+        await travel(lambda start, placed: self._hands.routes.back_to_grip(cell, placed, start))
+        await self._hands.open()
+        await self._touch.free(cell, travel)
 
     async def retreat(self, job: Job) -> None:
         """Let a gripped part stand, then go up and home.

@@ -50,10 +50,11 @@ class HandMoves:
             return f"{self._builder.doubt.sentence}. Settle that first with `cellctl recover`."
         if command.move == "above_cell" and command.cell is None:
             return "Name the cell."
-        if self._builder.grip is Grip.GRIPPED and command.move != "open":
+        gripped = self._builder.grip is Grip.GRIPPED or self._builder.gripping_cut_off
+        if gripped and command.move != "open":
             return (
-                "The latch has closed on a part that stands: say resume, or cancel and open the "
-                "latch with `cellctl hand open`."
+                "The gripper has hold of a part that stands: say resume, or cancel and let it go "
+                "with `cellctl hand open`."
             )
         return self._why_no_latch(command)
 
@@ -142,12 +143,7 @@ class HandMoves:
         carrying = self._may_hold()
         match command.move:
             case "open":
-                await hands.open()
-                if self._builder.grip is Grip.PART:
-                    return "The latch is open; the part counts as taken to the stock.", (
-                        Move.TAKE_OUT,
-                    )
-                return "The latch is open.", ()
+                return await self._open(command)
             case "close":
                 await hands.close()
                 return "The latch is closed.", ()
@@ -191,6 +187,14 @@ class HandMoves:
                 )
         x, y, z = (f"{edge * 1000:.0f}" for edge in hands.state().tcp_pose[:3])
         return f"The TCP is at x {x}, y {y}, z {z} mm of the robot's base.", ()
+
+    async def _open(self, command: HandCommand) -> tuple[str, tuple[Move, ...]]:
+        if await self._builder.let_stand_by_hand(command.speed_fraction):
+            return "The latch is open; the part stands.", ()
+        await self._hands.open()
+        if self._builder.grip is Grip.PART:
+            return "The latch is open; the part counts as taken to the stock.", (Move.TAKE_OUT,)
+        return "The latch is open.", ()
 
     def _may_fall(self) -> bool:
         """Something is in the gripper that would fall if it opened."""

@@ -61,7 +61,8 @@ class Grip(StrEnum):
     """The latch was told to open and has not confirmed it; the arm stands at the cell, or where the
     part goes back to the belt."""
     GRIPPED = "gripped"
-    """The latch has closed on a part that stands, and that is not parted from its neighbours."""
+    """The latch has closed on a part that stands, and that is not parted from its neighbours; or it
+    was told to let one go, and nobody has felt that the gripper is free of it."""
 
 
 @dataclass(frozen=True)
@@ -254,13 +255,23 @@ class Job:
         self.phase = Phase.CONFIRMING
         self.end_change()
 
-    def resume_event(self, grip: Grip) -> Event:
-        """Which variant of ``resume`` goes on from here."""
+    def resume_event(self, grip: Grip, gripped: Cell | None = None) -> Event:
+        """Which variant of ``resume`` goes on from here.
+
+        Args:
+            grip: what the latch has.
+            gripped: the cell of the standing part that it has hold of.
+        """
         if self.phase in _RESUMES:
             return _RESUMES[self.phase]
         winding_up = self.phase is Phase.RETREATING and self.cancelling
         if winding_up or (self.step is None and grip is Grip.NOTHING):
             return Event.RESUME_RETREATING
+        if grip is Grip.GRIPPED and (self.step is None or gripped != self.step.cell):
+            # Whatever comes next lets that part stand first.
+            if self.step is None:
+                return Event.RESUME_RETREATING
+            return Event.RESUME_GRIPPING if self.takes else Event.RESUME_PICKING
         if self.step is None or self.takes:
             return {
                 Grip.NOTHING: Event.RESUME_GRIPPING,

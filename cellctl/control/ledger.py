@@ -25,7 +25,10 @@ class Ledger(Value):
     belt_indexes: int | None = None
     """The board's counter when the part in the gripper was picked."""
     gripped: Cell | None = None
-    """The latch has closed on the part that stands at this cell, to take it off."""
+    """The gripper has hold of the part that stands at this cell, or may have: the latch has closed
+    on it to take it off, or was told to let it go, and nobody has felt that it is free."""
+    taken_from: Cell | None = None
+    """The cell that the part in the gripper was taken off; None for one that came by the belt."""
 
     @property
     def holding(self) -> bool:
@@ -51,6 +54,8 @@ class Ledger(Value):
                 f"and {len(standing)} cells hold one.",
                 "Count the parts and tell it with `cellctl inventory set`.",
             )
+        holding = counts.gripper == 1
+        taken = act.cell if Move.TAKE_OFF in act.moves else self.taken_from
         picked = act.kind is ActKind.PICK and Move.PICK in act.moves
         missed = Move.MISS in act.moves or _told_empty(act)
         carried = act.kind is ActKind.PLACE and act.outcome == "done"
@@ -58,16 +63,18 @@ class Ledger(Value):
             counts=counts,
             standing=standing,
             # The next part is called in only after the one in the gripper was seen to leave.
-            lift_unchecked=counts.gripper == 1
+            lift_unchecked=holding
             and (picked or (self.lift_unchecked and not carried and act.kind is not ActKind.FEED)),
             missed=missed or (self.missed and not picked and act.kind is not ActKind.HAND_OPEN),
             belt_indexes=act.belt_indexes if picked else self.belt_indexes,
             gripped=self._gripped_after(act, standing),
+            taken_from=taken if holding and Move.PICK not in act.moves else None,
         )
 
     def _gripped_after(self, act: Act, standing: frozenset[Cell]) -> Cell | None:
-        if act.kind is ActKind.GRIP and act.outcome == "done":
-            return act.cell
+        unfelt = act.kind is ActKind.RELEASE and act.outcome == "interrupted"
+        if (act.kind is ActKind.GRIP and act.outcome == "done") or unfelt:
+            return act.cell if act.cell in standing else None
         opened = act.kind in {ActKind.LET_STAND, ActKind.HAND_OPEN} and act.outcome == "done"
         # What an operator says of a taking that is in doubt ends it, wherever the part is.
         told = act.kind is ActKind.TAKE_OFF and act.outcome == "failed"

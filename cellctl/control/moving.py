@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import structlog
 
 from cellctl.assembling.latch_gripper import STEADY_S
+from cellctl.assembling.poses import distance
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembling.travel import travel
 from cellctl.assembly import Cell
-from cellctl.control.recovery import STAYED_M, left_station
+from cellctl.control.recovery import left_station, stayed
 from cellctl.errors import CellFault, PlanError
 
 if TYPE_CHECKING:
@@ -216,8 +217,8 @@ class ArmAndLatch:
         return beside and here[2] - station[2] < hanging_m + clearance_m / 2
 
     def is_at(self, stance: Stance) -> bool:
-        """Whether the TCP is where it is in that stance."""
-        return math.dist(self.state().tcp_pose[:3], stance.tcp_pose[:3]) < STAYED_M
+        """Whether the TCP is where it is in that stance, and turned as it is there."""
+        return stayed(self.state().tcp_pose, stance.tcp_pose)
 
     def expect_at(self, stance: Stance) -> None:
         """The latch moves only where the arm was sent.
@@ -225,9 +226,14 @@ class ArmAndLatch:
         Raises:
             CellFault: ``arm_moved``.
         """
-        off_m = math.dist(self.state().tcp_pose[:3], stance.tcp_pose[:3])
-        if off_m > STAYED_M:
-            raise CellFault("arm_moved", f"It is {off_m * 1000:.0f} mm from where it was left.")
+        here = self.state().tcp_pose
+        if not stayed(here, stance.tcp_pose):
+            off_m, off_rad = distance(here, stance.tcp_pose)
+            raise CellFault(
+                "arm_moved",
+                f"It is {off_m * 1000:.0f} mm and {math.degrees(off_rad):.1f} degrees from where "
+                "it was left.",
+            )
 
     async def open(self) -> None:
         """Open the latch.

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 
 from cellctl.assembling.arm import ArmState
+from cellctl.assembling.poses import distance
 from cellctl.assembly import Value
 from cellctl.config import CellConfig, Pose
 from cellctl.control.acts import Act, ActKind, Outcome
@@ -22,7 +23,9 @@ from cellctl.feeding.inventory import Move
 from cellctl.messages import PartPlace
 
 STAYED_M = 0.005
-"""The arm counts as where it was left within this distance."""
+STAYED_RAD = 0.02
+"""The arm counts as where it was left within this distance and this turn: a part that is twisted or
+tilted by more has come off, though the TCP may not have moved."""
 LIFT_SHARE = 0.7
 """Once the TCP has risen by this share of a voxel, the station's sensor does not see its part..."""
 LEAVE_SHARE = 1.0
@@ -41,6 +44,17 @@ def left_station(tcp: Pose, pick: Pose, pitch_m: float) -> bool:
         tcp[2] - pick[2] > LIFT_SHARE * pitch_m
         or math.dist(tcp[:3], pick[:3]) > LEAVE_SHARE * pitch_m
     )
+
+
+def stayed(tcp: Pose, left_at: Pose) -> bool:
+    """Whether the gripper is where it was left, upright and turned as it was.
+
+    Args:
+        tcp: where it is.
+        left_at: where it was left, in the same frame.
+    """
+    apart_m, apart_rad = distance(tcp, left_at)
+    return apart_m < STAYED_M and apart_rad < STAYED_RAD
 
 
 _NOT_CLOSED = "cut off before the latch closed"
@@ -73,8 +87,8 @@ class Evidence(Value):
         return cls(
             latched=bool(arm.digital_inputs >> lines.status_input & 1),
             told_open=bool(arm.digital_outputs >> lines.command_output & 1),
-            at_station=math.dist(arm.tcp_pose[:3], pick[:3]) < STAYED_M,
-            at_cell=place is not None and math.dist(arm.tcp_pose[:3], place[:3]) < STAYED_M,
+            at_station=stayed(arm.tcp_pose, pick),
+            at_cell=place is not None and stayed(arm.tcp_pose, place),
             risen=left_station(arm.tcp_pose, pick, config.voxel.pitch_m),
             part_at_station=belt.part_present,
             belt_indexes=belt.indexes,
@@ -233,9 +247,10 @@ def _settle_release(act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
     if evidence.latched:
         return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_OPENED)
     if evidence.told_open and evidence.at_cell:
+        # It stands; whether the gripper is free of it was not felt, so the outcome is not "done".
         return Settled(
             act_id=act.act_id,
-            outcome="done",
+            outcome="interrupted",
             detail="cut off; the latch was told to open at the cell",
             moves=(Move.PLACE,),
         )
@@ -255,9 +270,11 @@ def _settle_release(act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
 
 
 def _settle_grip(act: Act, evidence: Evidence) -> Settled:
-    """The part stands whatever the latch did: only a taking that has begun moves it."""
-    if evidence.latched and evidence.at_cell:
-        detail = "cut off; the latch was confirmed at the cell"
+    """The part stands whatever the latch did: only a taking that has begun moves it. A latch that
+    was told to close there may have, whatever its status line says."""
+    if evidence.at_cell and (evidence.latched or not evidence.told_open):
+        confirmed = "was" if evidence.latched else "was not"
+        detail = f"cut off; the latch {confirmed} confirmed at the cell"
         return Settled(act_id=act.act_id, outcome="done", detail=detail)
     return Settled(act_id=act.act_id, outcome="failed", detail=_NOT_CLOSED)
 
@@ -330,7 +347,7 @@ def moves_to(doubt: Doubt, part: PartPlace) -> tuple[Outcome, tuple[Move, ...]]:
         if part == "station":
             return "failed", ()
         return "done", (Move.PICK, *after_pick[part])
-    if doubt.kind is ActKind.TAKE_OFF:  # the part counts as standing at its cell
+    if doubt.kind in {ActKind.GRIP, ActKind.TAKE_OFF}:  # it counts as standing at its cell
         after_taking = {
             "gripper": (),
             "station": (Move.PUT_BACK,),
@@ -338,7 +355,8 @@ def moves_to(doubt: Doubt, part: PartPlace) -> tuple[Outcome, tuple[Move, ...]]:
             "scrap": (Move.SCRAP_GRIPPED,),
             "unknown": (Move.LOSE_GRIPPED,),
         }
-        if part == "cell":
+        # A latch that was only closing on it has taken nothing off: it grips anew.
+        if part == "cell" or (part == "gripper" and doubt.kind is ActKind.GRIP):
             return "failed", ()
         return "done", (Move.TAKE_OFF, *after_taking[part])
     # The part counts as in the gripper.

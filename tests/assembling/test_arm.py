@@ -6,6 +6,7 @@ import asyncio
 import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 
@@ -22,9 +23,9 @@ pytestmark = pytest.mark.wire
 
 
 @asynccontextmanager
-async def connected(config: CellConfig) -> AsyncIterator[RemoteArm]:
+async def connected(config: CellConfig, speed_file: Path | None = None) -> AsyncIterator[RemoteArm]:
     """An arm that is connected, and let go of at the end."""
-    arm = RemoteArm(config)
+    arm = RemoteArm(config, speed_file)
     try:
         await arm.connect()
         yield arm

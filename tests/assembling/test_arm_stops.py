@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
+import signal
+from pathlib import Path
 
 import pytest
 
@@ -140,6 +143,26 @@ def test_a_lost_controller_is_noticed_and_found_again(emulator: Emulator, how: s
 
     asyncio.run(scenario())
     assert emulator.truth()["counters"]["protective_stops"] == 0
+
+
+def test_a_choice_of_speed_outlives_a_death_behind_the_gate(
+    quick_emulator: Emulator, tmp_path: Path
+) -> None:
+    file = tmp_path / "journal.speed"
+
+    async def scenario() -> None:
+        async with connected(quick_emulator.config, file) as arm:
+            quick_emulator.tell("inject speed_slider fraction=0.3")
+            await goes_on(arm)
+            await arm.prepare(away_from(stance(arm).tcp_pose))
+            assert arm.process_id is not None
+            os.kill(arm.process_id, signal.SIGKILL)
+            assert quick_emulator.truth()["speed_slider"] == 0.0
+            # As a daemon does that was started anew: nothing but the file is left.
+            async with connected(quick_emulator.config, file):
+                assert quick_emulator.truth()["speed_slider"] == 0.3
+
+    asyncio.run(scenario())
 
 
 def test_a_controller_that_refuses_the_connection(quick_emulator: Emulator) -> None:

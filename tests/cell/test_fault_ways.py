@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from cellctl.assembly import Cell
+from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages import CountCommand, MissingCommand, RecoverCommand
 from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset, reset_and_resume
 from tests.cell.harness import RunningCell, running_cell
@@ -222,3 +223,29 @@ def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) ->
     idle.world.clear("part_sticks")  # a person frees it
     reset_and_resume(idle)
     finish_as_planned(idle)
+
+
+def test_a_part_that_sticks_stays_known_when_the_job_is_cancelled(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    idle.wait_mid_place()
+    idle.world.inject("part_sticks")
+    expect_fault(idle, "part_stuck")
+    reset(idle)
+    idle.client.command("cancel")
+    snapshot = idle.wait("the end", lambda now: now.gripper.holding == "gripped")
+    assert len(snapshot.standing) == 2
+    idle.wait_state("paused_resting")
+    with pytest.raises(RefusedError, match="hold of a part that stands"):
+        idle.hand("rise")
+    with pytest.raises(CellctlError, match="does not come off"):
+        idle.hand("open")
+    expect_fault(idle, "part_stuck")
+    reset(idle)
+    idle.world.clear("part_sticks")  # a person frees it
+    assert idle.hand("open") == "The latch is open; the part stands."
+    idle.hand("rise")
+    assert len(idle.truth().built) == 2
+    assert idle.truth().violations[idle.held_before :] == ()
+    idle.client.command("resume")
+    idle.wait_state("idle")

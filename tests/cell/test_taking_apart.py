@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from cellctl.assembly import Assembly, StepKind
+from cellctl.control.journal_reader import JournalReader
 from cellctl.errors import RefusedError
-from cellctl.messages import MissingCommand, Snapshot
+from cellctl.messages import MissingCommand, RecoverCommand, Snapshot
+from cellctl.sim.world_values import Where
 from tests.cell.faulty import expect_fault, reset, reset_and_resume
 from tests.cell.harness import RunningCell, bar, running_cell
 
@@ -98,8 +101,8 @@ def test_cancelled_with_a_part_in_the_latch_it_stands_on_and_the_next_job_goes_o
     idle.client.command("pause")
     snapshot = idle.wait_state("paused_resting")
     assert snapshot.gripper.holding == "gripped"
-    assert "The latch has closed on a part that stands." in snapshot.state.sentence
-    with pytest.raises(RefusedError, match="closed on a part that stands"):
+    assert "The gripper has hold of a part that stands." in snapshot.state.sentence
+    with pytest.raises(RefusedError, match="hold of a part that stands"):
         idle.hand("rise")
     idle.client.command("cancel")
     idle.wait("the end", lambda now: now.job is not None and now.job.outcome == "cancelled")
@@ -174,6 +177,61 @@ def test_a_part_that_was_to_stay_and_is_gone_ends_the_plan(idle: RunningCell) ->
         idle.client.command("resume")
     idle.client.command("cancel")
     idle.wait("the end", lambda now: now.job is not None and bool(now.job.outcome))
+
+
+def test_a_part_that_vanishes_from_a_latch_that_was_cut_off_is_told(idle: RunningCell) -> None:
+    build(idle)
+    idle.world.inject("gripper_silent")
+    idle.client.command("take_apart")
+    expect_fault(idle, "gripper_silent")
+    reset(idle)
+    snapshot = idle.client.snapshot()
+    assert snapshot.gripper.holding == "latching"
+    with pytest.raises(RefusedError, match="hold of a part that stands"):
+        idle.hand("rise")
+    built = set(idle.truth().built)
+    (gone,) = (place for place in built if place.z and place.below() not in built)
+    idle.world.inject("part_taken", x=gone.x, y=gone.y, z=gone.z)
+    idle.client.request(MissingCommand(cells=(gone,)))
+    idle.world.clear("gripper_silent")
+    idle.client.command("resume")
+    expect_fault(idle, "gripper_holds")  # it has closed: nobody knows on what
+    reset(idle)
+    idle.hand("open", part_held=True)
+    idle.client.command("resume")
+    assert idle.finish().outcome == "taken_apart"
+    assert idle.truth().built == ()
+    idle.assert_inventory_true(taken=1)
+
+
+def test_a_part_on_its_way_back_that_somebody_put_where_it_was_stands_there(
+    idle: RunningCell,
+) -> None:
+    build(idle)
+    built = idle.client.snapshot().standing
+    idle.client.command("take_apart")
+    idle.wait("an arm that brings a part back", _brings_back)
+    idle.client.command("stop")
+    assert len(idle.wait_state("paused_resting").standing) == len(built) - 1
+    idle.world.inject("output_changed", line=0, high=True)  # somebody takes it out
+    idle.wait("an open latch", lambda _: idle.truth().counts[Where.GRIPPER] == 0)
+    idle.client.request(RecoverCommand(part="cell"))
+    assert set(idle.client.snapshot().standing) == set(built)
+    idle.world.inject("output_changed", line=0, high=False)
+
+
+def test_a_build_that_is_cancelled_leaves_no_act_without_an_outcome(idle: RunningCell) -> None:
+    idle.client.build("bar.json", bar(1, 1, 3))
+    idle.wait_mid_place()
+    idle.wait("the next part", lambda now: now.conveyor.activity == "ready")
+    idle.client.command("cancel")
+    assert idle.finish().outcome == "cancelled"
+
+    def open_acts(_: Snapshot) -> bool:
+        with JournalReader(Path(idle.config.journal.path)) as journal:
+            return bool(journal.unsettled())
+
+    idle.wait("outcomes on disk", lambda now: not open_acts(now))
 
 
 def test_a_jammed_belt_keeps_the_part_in_the_gripper(idle: RunningCell) -> None:

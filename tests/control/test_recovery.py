@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import NamedTuple, get_args
 
 import pytest
 
+from cellctl.assembling.poses import to_matrix, to_pose
 from cellctl.assembly import Cell
 from cellctl.control.acts import Act, ActKind
 from cellctl.control.ledger import Ledger
-from cellctl.control.recovery import Doubt, Evidence, Settlement, moves_to, settle
+from cellctl.control.recovery import Doubt, Evidence, Settlement, moves_to, settle, stayed
 from cellctl.feeding.inventory import Counts, Move
 from cellctl.messages import PartPlace
 
@@ -245,6 +247,26 @@ def test_what_the_devices_can_tell_is_decided(
     (one,) = settled.acts
     assert one.moves == moves
     assert because in one.detail
+
+
+def test_a_part_whose_letting_go_was_cut_off_is_not_known_to_be_free() -> None:
+    seen = evidence(told_open=True, at_cell=True)
+    after = believed_after(HELD, (RELEASE,), settle(HELD, (RELEASE,), seen, part="Part 15"))
+    assert (after.gripped, after.holding, HERE in after.standing) == (HERE, False, True)
+
+
+def test_a_latch_that_closed_unconfirmed_on_what_stands_may_have_hold_of_it() -> None:
+    settled = settle(STANDING, (GRIP,), evidence(at_cell=True), part="Part 15")
+    assert believed_after(STANDING, (GRIP,), settled).gripped == HERE
+
+
+@pytest.mark.parametrize(("turn_rad", "there"), [(0.0, True), (0.01, True), (0.05, False)])
+def test_a_twist_about_the_tool_is_off_the_cell_though_the_tcp_has_not_moved(
+    turn_rad: float, there: bool
+) -> None:
+    at = (0.5, 0.2, 0.3, math.pi, 0.0, 0.0)
+    twisted = to_pose(to_matrix(at) @ to_matrix((0.0, 0.0, 0.0, 0.0, 0.0, turn_rad)))
+    assert stayed(twisted, at) is there
 
 
 @pytest.mark.parametrize(
