@@ -85,6 +85,16 @@ class ArmState(Value):
 class Arm(Protocol):
     """A robot arm. Every method raises ``CellFault`` with a code of the catalogue."""
 
+    @property
+    def identity(self) -> ArmIdentity | None:
+        """What the connected robot says it is."""
+        ...
+
+    @property
+    def checked(self) -> ArmCheck | None:
+        """What was last read back by ``verify``, whether or not it was as it should be."""
+        ...
+
     async def connect(self) -> ArmIdentity:
         """Connect, check the model, set TCP and payload and read them back; safe to repeat."""
         ...

@@ -59,6 +59,7 @@ class RemoteArm:
         self._kinematics = Kinematics(config.robot.model)
         self._child: ArmChild | None = None
         self._identity: ArmIdentity | None = None
+        self._checked: ArmCheck | None = None
         self._ordered: dict[int, bool] = {}
         """The level that each output was last ordered to have; arm processes come and go."""
         self._loss: CellFault | None = None
@@ -70,6 +71,14 @@ class RemoteArm:
     def process_id(self) -> int | None:
         """Of the arm process, while there is one."""
         return self._child.pid if self._child is not None and self._child.alive else None
+
+    @property
+    def identity(self) -> ArmIdentity | None:
+        return self._identity
+
+    @property
+    def checked(self) -> ArmCheck | None:
+        return self._checked
 
     async def connect(self) -> ArmIdentity:
         state = self.state()
@@ -83,6 +92,7 @@ class RemoteArm:
             raise CellFault("internal", "The robot's settings are checked at rest only.")
         check = (await self._ask(Verify(number=0))).check
         assert check is not None, "an answered check has been made"
+        self._checked = check
         refuse_mismatch(check, self._config, self._identity, self._ordered)
         return check
 

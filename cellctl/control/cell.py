@@ -23,6 +23,7 @@ from cellctl.control.gripper_watch import GripperWatch
 from cellctl.control.hand import HandMoves
 from cellctl.control.job import Job, Phase
 from cellctl.control.journal import Journal
+from cellctl.control.possible import possible
 from cellctl.control.sentences import Sentences
 from cellctl.control.states import Event, top_of
 from cellctl.control.taking_apart import TakingApart
@@ -109,7 +110,9 @@ class Cell:
         """Set when the devices were found, or were not."""
         self.been_idle = asyncio.Event()
         """Set when a wish could first be taken."""
-        self.last_state = StateData(state="starting", previous="", event="")
+        self.last_state = StateData(
+            state="starting", previous="", event="", commands=possible("starting")
+        )
         self._stages: dict[str, Callable[[Post], Awaitable[None]]] = {
             "start": self._start,
             "hear": self._for_job(self.wishes.hear),
@@ -277,6 +280,7 @@ class Cell:
             event=event,
             pausing=job is not None and job.pausing,
             cancelling=job is not None and job.cancelling,
+            commands=possible(after),
             sentence=self.line.text,
         )
         self._publish(self.last_state, after)

@@ -19,6 +19,8 @@ from cellctl.assembling.latch_gripper import LatchGripper
 from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
+from cellctl.control.about import Present
+from cellctl.control.archive import Archive
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell
 from cellctl.control.designing import warm_up
@@ -33,6 +35,7 @@ from cellctl.control.journal_store import SqliteJournal
 from cellctl.control.monitor import ArmMonitor, arm_view
 from cellctl.control.moving import ArmAndLatch
 from cellctl.control.notify import Condition, ServiceManager, ServiceReport
+from cellctl.control.recollection import Recollection
 from cellctl.control.requests import RequestDesk
 from cellctl.errors import CellFault, HearingError
 from cellctl.feeding.conveyor import Conveyor
@@ -109,7 +112,31 @@ class Daemon:
             self.speaker,
             lambda data: self.bus.publish(data, self._state()),
         )
-        self.desk = RequestDesk(self.cell, self.hearing, self._show, self.snapshot, self.ears)
+        self.recollection = Recollection(self.clock)
+        self.desk = RequestDesk(
+            self.cell,
+            self.hearing,
+            self._show,
+            self.snapshot,
+            self.ears,
+            archive=Archive(config, lambda: self.cell.job, self.present, self.recollection),
+        )
+
+    def present(self) -> Present:
+        """What is known of the cell, for those who ask what it consists of."""
+        ledger = self.builder.ledger
+        return Present(
+            identity=self.arm.identity,
+            check=self.arm.checked,
+            robot_connected=self.arm.state() is not None,
+            conveyor=self.devices.belt.view(),
+            gripper=self._gripper_view(),
+            ears=self.ears.data,
+            recogniser=self.cell.wishes.recogniser,
+            counts=ledger.counts,
+            standing=len(ledger.standing),
+            uptime_s=self.loop_monitor.health(0).uptime_s,
+        )
 
     def snapshot(self) -> Snapshot:
         """The whole picture for one who joins late."""
@@ -167,7 +194,9 @@ class Daemon:
 
     def publish_log(self, level: str, message: str) -> None:
         """Put a warning or an error of the log on the bus."""
-        self._publish(LogData(level="error" if level == "error" else "warning", message=message))
+        data = LogData(level="error" if level == "error" else "warning", message=message)
+        self.recollection.logged(data)
+        self._publish(data)
 
     async def _heartbeat(self) -> None:
         while True:

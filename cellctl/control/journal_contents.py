@@ -120,7 +120,7 @@ def _acts(db: sqlite3.Connection, which: str, *values: object) -> tuple[Act, ...
 
 
 def read_job(
-    db: sqlite3.Connection, number: int, row: tuple[object, ...]
+    db: sqlite3.Connection, number: int, row: tuple[object, ...], *, with_files: bool = True
 ) -> tuple[JobRecord, JobFiles]:
     """A job with its plan and its files, their checksums verified.
 
@@ -128,6 +128,7 @@ def read_job(
         db: an open journal.
         number: of the job.
         row: its ``JOB_COLUMNS``.
+        with_files: whether its large parts are wanted, too.
 
     Raises:
         RowError, sqlite3.Error: the file is damaged.
@@ -136,7 +137,8 @@ def read_job(
     stored = {
         kind: StoredFile(kind, content, sha256)
         for kind, content, sha256 in db.execute(
-            "SELECT kind, content, sha256 FROM files WHERE number = ?", (number,)
+            "SELECT kind, content, sha256 FROM files WHERE number = ? AND (? OR kind = ?)",
+            (number, with_files, PLAN),
         )
     }
     try:

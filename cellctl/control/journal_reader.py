@@ -21,6 +21,8 @@ from cellctl.errors import ConfigError, UsageError
 class StoredJob:
     """One job as it stands in the journal."""
 
+    number: int
+    """Grows from job to job."""
     record: JobRecord
     files: JobFiles
     cellctl_version: str
@@ -92,9 +94,17 @@ class JournalReader:
         with faults_named(self._path):
             return fold(self._db)[0]
 
-    def jobs(self, limit: int) -> tuple[StoredJob, ...]:
-        """The newest jobs, newest first."""
-        return self._jobs("ORDER BY number DESC LIMIT ?", limit)
+    def jobs(self, limit: int, before: int | None = None) -> tuple[StoredJob, ...]:
+        """The newest jobs, newest first, without their files; or those before the one of that
+        number."""
+        which = "WHERE number < coalesce(?, number + 1) ORDER BY number DESC LIMIT ?"
+        return self._jobs(which, before, limit, with_files=False)
+
+    def count(self) -> int:
+        """How many jobs there are."""
+        with faults_named(self._path):
+            (jobs,) = self._db.execute("SELECT count(*) FROM jobs").fetchone()
+            return int(jobs)
 
     def job(self, job_id: str) -> StoredJob:
         """One job.
@@ -140,7 +150,7 @@ class JournalReader:
             )
             return tuple(act_of(row)[0] for row in rows)
 
-    def _jobs(self, which: str, *values: object) -> tuple[StoredJob, ...]:
+    def _jobs(self, which: str, *values: object, with_files: bool = True) -> tuple[StoredJob, ...]:
         with faults_named(self._path):
             rows = self._db.execute(
                 f"SELECT number, cellctl_version, config_sha256, {JOB_COLUMNS} "  # noqa: S608
@@ -148,6 +158,11 @@ class JournalReader:
                 values,
             ).fetchall()
             return tuple(
-                StoredJob(*read_job(self._db, number, tuple(row)), version, config)
+                StoredJob(
+                    number,
+                    *read_job(self._db, number, tuple(row), with_files=with_files),
+                    version,
+                    config,
+                )
                 for number, version, config, *row in rows
             )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
-from pathlib import Path
 
 import structlog
 
@@ -18,7 +17,8 @@ from cellctl.control.conversation import take_another, take_change
 from cellctl.control.door import Answer
 from cellctl.control.ears import LiveEars
 from cellctl.control.job import Job
-from cellctl.control.states import Event, top_of
+from cellctl.control.possible import possible
+from cellctl.control.states import Event
 from cellctl.errors import CellctlError, RefusedError, UsageError
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
@@ -29,14 +29,15 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
-    FileCommand,
-    FileData,
     GripperCommand,
     HandCommand,
     HearCommand,
+    Inquiry,
     ListenCommand,
     MuteCommand,
+    Order,
     PlainCommand,
+    ReplyData,
     ReplyError,
     SayCommand,
     Snapshot,
@@ -90,6 +91,7 @@ class RequestDesk:
         publish: sends a status message; gets the data and the state.
         snapshot: makes the whole picture.
         ears: the microphone.
+        archive: answers what is asked of jobs and of the cell.
     """
 
     def __init__(
@@ -99,6 +101,8 @@ class RequestDesk:
         publish: Callable[[StatusData, str], None],
         snapshot: Callable[[], Snapshot],
         ears: LiveEars,
+        *,
+        archive: Archive,
     ) -> None:
         self._cell = cell
         self._hearing = hearing
@@ -106,18 +110,27 @@ class RequestDesk:
         self._snapshot = snapshot
         self._ears = ears
         self._books = Books(cell)
-        self._archive = Archive(lambda: cell.job, Path(cell.config.journal.path))
+        self._archive = archive
         self._overhearing: set[asyncio.Task[None]] = set()
 
     async def handle(self, request: ControlRequest, attachment: bytes | None, role: Role) -> Answer:
         """Carry one request of that role out; never raises."""
+        answer = await self._answer(request, attachment, role)
+        reply = answer.reply
+        message = reply.error.message if reply.error is not None else reply.message
+        self._archive.recollection.commanded(request.body, role, ok=reply.ok, message=message)
+        return answer
+
+    async def _answer(
+        self, request: ControlRequest, attachment: bytes | None, role: Role
+    ) -> Answer:
         body = request.body
         try:
             _refuse_visitors(body.command, role)
-            if isinstance(body, FileCommand):
-                data, file = await self._archive.file(body, role)
+            if isinstance(body, Inquiry):
+                data, file = await self._archive.answer(body, role)
                 return Answer(self._reply(request, data=data), file)
-            message = await self._dispatch(request, attachment, role)
+            message = await self._dispatch(body, attachment, role)
         except CellctlError as error:
             return Answer(self._reply(request, error=ReplyError.of(error)))
         except Exception as error:
@@ -134,7 +147,7 @@ class RequestDesk:
         *,
         message: str = "",
         snapshot: Snapshot | None = None,
-        data: FileData | None = None,
+        data: ReplyData | None = None,
         error: ReplyError | None = None,
     ) -> ControlReply:
         job = self._cell.job
@@ -150,9 +163,8 @@ class RequestDesk:
         )
 
     async def _dispatch(  # noqa: PLR0911 - one way out a command
-        self, request: ControlRequest, attachment: bytes | None, role: Role
+        self, body: Order, attachment: bytes | None, role: Role
     ) -> str:
-        body = request.body
         match body:
             case SayCommand():
                 return await self.take(Utterance(text=body.text, source="text"), role)
@@ -176,8 +188,8 @@ class RequestDesk:
                 return await self._hand(body)
             case GripperCommand():
                 return await self._gripper(body)
-            case SnapshotCommand() | FileCommand():
-                return ""  # what they ask for comes with the reply
+            case SnapshotCommand():
+                return ""
             case _:
                 return await self._books.take(body)
 
@@ -243,8 +255,7 @@ class RequestDesk:
 
     async def _gripper(self, said: GripperCommand) -> str:
         """Ask the gripper's board; nothing of it is changed while a job moves."""
-        state = self._cell.controller.state
-        at_rest = top_of(state) in {"idle", "fault"} or state == "paused_resting"
+        at_rest = "gripper" in possible(self._cell.controller.state)
         if said.do != "show" and not at_rest:
             raise RefusedError(
                 "Something moves, or is about to.", "Pause first; `cellctl gripper show` may ask."

@@ -167,13 +167,39 @@ class FileCommand(Value):
     """Whose; empty: of the job under way, or of the last one. Any other needs the operator."""
 
 
+class HistoryCommand(Value):
+    """Ask for the jobs of the journal, newest first, some at a time."""
+
+    command: Literal["history"] = "history"
+    limit: Annotated[int, Field(ge=1, le=50)] = 20
+    before: int | None = None
+    """Go on where the answer before ended: its ``next_before``."""
+
+
+class JobCommand(Value):
+    """Ask for all that the journal has of one job, to see it being built again."""
+
+    command: Literal["job"] = "job"
+    job_id: Annotated[str, Field(min_length=1, max_length=64)]
+
+
+class AskCommand(Value):
+    """Ask about the cell. ``about``: devices, software and their versions; ``limits``: what is
+    configured, and what is in force; ``log``: the newest warnings and errors; ``audit``: who gave
+    which commands since the daemon started."""
+
+    command: Literal["about", "limits", "log", "audit"]
+
+
 class MuteCommand(Value):
     """Close the microphone, or open it again."""
 
     command: Literal["mute", "unmute"]
 
 
-Command = Annotated[
+Inquiry = FileCommand | HistoryCommand | JobCommand | AskCommand
+"""Commands that ask, and change nothing; the reply has ``data``."""
+Order = (
     SnapshotCommand
     | SayCommand
     | HearCommand
@@ -189,14 +215,13 @@ Command = Annotated[
     | OwnCommand
     | HandCommand
     | GripperCommand
-    | FileCommand,
-    Field(discriminator="command"),
-]
+)
+Command = Annotated[Order | Inquiry, Field(discriminator="command")]
 
 
 OPERATOR_COMMANDS = frozenset(
     {"build", "resume", "reset", "clear", "refill", "recover", "missing", "count", "own", "hand"}
-    | {"unmute", "gripper"}
+    | {"unmute", "gripper", "history", "job", "about", "audit"}
 )
 """Commands that a visitor may not give."""
 

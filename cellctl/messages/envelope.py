@@ -11,7 +11,7 @@ from cellctl.assembly import BuildPlan, Cell, PartOutcome, Value
 from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages.commands import Command
 from cellctl.messages.dialogue import DialogueData
-from cellctl.messages.replies import FileData
+from cellctl.messages.replies import ReplyData
 from cellctl.messages.status import (
     TOPICS,
     ArmData,
@@ -109,6 +109,6 @@ class ControlReply(Value):
     """For people: what happens now."""
     job_id: str = ""
     snapshot: Snapshot | None = None
-    data: FileData | None = None
+    data: ReplyData | None = None
     """What was asked for, by a command that asks."""
     error: ReplyError | None = None

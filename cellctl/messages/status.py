@@ -25,6 +25,8 @@ class StateData(Value):
     """A cancel was asked for; the part on its way is placed first."""
     sentence: str = ""
     """The state in words for the people in the room."""
+    commands: tuple[str, ...] = ()
+    """Commands that can lead on from here, by the machine's table; a visitor may not give all."""
 
 
 Outcome = (

@@ -14,36 +14,89 @@ import trimesh
 
 from cellctl.assembly import BuildPlan, Role
 from cellctl.client import CellClient
-from cellctl.config import BusSection
+from cellctl.clock import SystemClock
+from cellctl.config import BusSection, load_config
+from cellctl.control.about import Present
 from cellctl.control.archive import Archive
 from cellctl.control.door import Answer
 from cellctl.control.job import Job
+from cellctl.control.possible import possible
+from cellctl.control.recollection import Recollection
+from cellctl.control.states import Event, decide
 from cellctl.errors import CellctlError, RefusedError, UsageError
+from cellctl.feeding.inventory import Counts
 from cellctl.messages import (
+    AboutData,
+    AskCommand,
+    BoardData,
     ControlReply,
     ControlRequest,
+    ConveyorData,
+    EarsData,
     FileCommand,
     FileData,
     FileKind,
+    GripperData,
+    HistoryCommand,
+    HistoryData,
+    Inquiry,
+    JobCommand,
+    JobRecordData,
+    LimitsData,
+    RefillCommand,
+    ReplyData,
     ReplyError,
+    SayCommand,
 )
-from tests.control.journals import files, opened, record, tower
+from tests.control.journals import CELLS, files, opened, place, record, tower
 from tests.control.served import serving, settings
+from tests.leaks import REPOSITORY
+
+CONFIG = load_config(REPOSITORY / "config" / "sim.toml")
+
+
+def archive_of(path: Path, job: Job | None) -> Archive:
+    config = CONFIG.model_copy(
+        update={"journal": CONFIG.journal.model_copy(update={"path": str(path)})}
+    )
+    return Archive(config, lambda: job, present, Recollection(SystemClock()))
+
+
+def present() -> Present:
+    return Present(
+        identity=None,
+        check=None,
+        robot_connected=False,
+        conveyor=ConveyorData(connected=True, board=BOARD),
+        gripper=GripperData(holding="nothing"),
+        ears=EarsData(state="off"),
+        recogniser="vosk",
+        counts=Counts(stock=2, belt=10, structure=3),
+        standing=3,
+        uptime_s=1.0,
+    )
+
+
+BOARD = BoardData(port="/dev/belt", serial_number="AF", protocol_version=1, firmware_version="1.2")
 
 
 @asynccontextmanager
 async def answering(folder: Path, job: Job | None) -> AsyncIterator[BusSection]:
-    """A bus whose archive has a newest job, and whose journal has an older one."""
+    """A bus whose archive has a newest job, and whose journal has older ones."""
     path = folder / "journal.sqlite"
+    new = not path.exists()
     async with opened(path) as journal:
-        journal.keep_job(record("older"), files())
-        await journal.flush()
-        archive = Archive(lambda: job, path)
+        if new:
+            journal.keep_job(record("oldest"))
+            journal.keep_job(record("older"), files())
+            await place(journal, CELLS[0], "older")
+            await journal.flush()
+        archive = archive_of(path, job)
 
         async def handle(request: ControlRequest, _: bytes | None, role: Role) -> Answer:
-            assert isinstance(request.body, FileCommand)
+            assert isinstance(request.body, Inquiry)
             try:
-                data, file = await archive.file(request.body, role)
+                data, file = await archive.answer(request.body, role)
             except CellctlError as error:
                 why = ReplyError.of(error)
                 return Answer(ControlReply(id=request.id, ok=False, state="idle", error=why))
@@ -134,12 +187,93 @@ def test_what_is_not_there_is_told(
 def test_a_new_plan_of_the_same_job_is_a_new_file(tmp_path: Path) -> None:
     async def exercise() -> list[int]:
         job = newest()
-        archive = Archive(lambda: job, tmp_path / "none")
+        archive = archive_of(tmp_path / "none", job)
         parts = []
         for height in (4, 4, 5):
             job.plan = tower(height)
-            _, frame = await archive.file(FileCommand(kind="plan"), Role.VISITOR)
+            _, frame = await archive.answer(FileCommand(kind="plan"), Role.VISITOR)
+            assert frame is not None
             parts.append(BuildPlan.model_validate_json(frame.bytes).parts)
         return parts
 
     assert asyncio.run(exercise()) == [4, 4, 5]
+
+
+def told(folder: Path, question: Inquiry) -> ReplyData:
+    async def exercise() -> ControlReply:
+        async with answering(folder, None) as own:
+            with CellClient(own.operator, own.status) as client:
+                return await asyncio.to_thread(client.request, question)
+
+    data = asyncio.run(exercise()).data
+    assert data is not None
+    return data
+
+
+def test_history_comes_in_pages(tmp_path: Path) -> None:
+    first = told(tmp_path, HistoryCommand(limit=1))
+    assert isinstance(first, HistoryData)
+    assert first.total == 2
+    assert [(job.job_id, job.title, job.steps) for job in first.jobs] == [("older", "tower", 3)]
+    second = told(tmp_path, HistoryCommand(limit=1, before=first.next_before))
+    assert isinstance(second, HistoryData)
+    assert [job.job_id for job in second.jobs] == ["oldest"]
+    assert second.next_before is None
+
+
+def test_a_job_is_told_with_what_a_replay_needs(tmp_path: Path) -> None:
+    found = told(tmp_path, JobCommand(job_id="older"))
+    assert isinstance(found, JobRecordData)
+    assert found.plan == tower(3)
+    assert found.has_mesh
+    assert [(act.kind, act.outcome, act.moves) for act in found.acts] == [
+        ("pick", "done", ("pick",)),
+        ("place", "done", ()),
+        ("release", "done", ("place",)),
+    ]
+
+
+def test_limits_say_what_is_in_force(tmp_path: Path) -> None:
+    found = told(tmp_path, AskCommand(command="limits"))
+    assert isinstance(found, LimitsData)
+    rows = {row.option: (row.configured, row.in_force) for row in found.limits}
+    expected: dict[str, tuple[object, object]] = {
+        "limits.inventory_parts": (CONFIG.limits.inventory_parts, 15),
+        "policy.confirmation": ("ask", None),
+        "tool.payload_kg": (CONFIG.tool.payload_kg, None),
+    }
+    assert {name: rows[name] for name in expected} == expected
+
+
+def test_devices_and_versions(tmp_path: Path) -> None:
+    found = told(tmp_path, AskCommand(command="about"))
+    assert isinstance(found, AboutData)
+    devices = {device.name: device for device in found.devices}
+    assert not devices["robot"].connected
+    assert (devices["conveyor"].serial_number, devices["conveyor"].version) == ("AF", "1.2")
+    assert found.packages["pyzmq"]
+
+
+def test_the_audit_keeps_commands_and_not_what_was_said() -> None:
+    recollection = Recollection(SystemClock())
+    for body in (
+        SayCommand(text="my secret"),
+        RefillCommand(parts=3),
+        AskCommand(command="log"),
+    ):
+        recollection.commanded(body, Role.OPERATOR, ok=True, message="Done.")
+    kept = [(entry.command, entry.detail) for entry in recollection.audit().entries]
+    assert kept == [
+        ("say", ""),
+        ("refill", "parts=3"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "state", ["idle", "feeding_indexing", "paused_resting", "paused_moving", "fault_held"]
+)
+def test_what_is_possible_is_what_the_machine_takes(state: str) -> None:
+    ways = {"reset": Event.RESET, "hand": Event.HAND, "cancel": Event.CANCEL, "own": Event.BOOK}
+    for command, event in ways.items():
+        assert (command in possible(state)) is (decide(state, event).verdict == "accepted")
+    assert "stop" in possible(state)

@@ -1,0 +1,44 @@
+"""Which commands the machine would take in a state, from its table: so that a page knows."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final
+
+from cellctl.control.states import TRANSITIONS, Event, top_of
+
+_EVENTS: Final[dict[str, tuple[Event, ...]]] = {
+    "say": (Event.SAY, Event.CHANGE),
+    "hear": (Event.HEAR,),
+    "build": (Event.BUILD,),
+    "take_apart": (Event.TAKE_APART,),
+    "confirm": (Event.CONFIRM,),
+    "another": (Event.CHANGE,),
+    "pause": (Event.PAUSE,),
+    "resume": (Event.RESUME_IDLE,),
+    "cancel": (Event.CANCEL,),
+    "reset": (Event.RESET,),
+    "refill": (Event.REFILL,),
+    "hand": (Event.HAND,),
+    **dict.fromkeys(("clear", "hand_over", "missing", "count", "own"), (Event.BOOK,)),
+    "recover": (Event.RESUME_IDLE,),
+}
+"""Commands whose fate is the table's; any of the events will do."""
+_ALREADY: Final = frozenset({"paused_braking", "paused_resting"})
+"""States in which a pause is taken, and changes nothing."""
+
+
+@cache
+def possible(state: str) -> tuple[str, ...]:
+    """The commands that can lead on from a state, sorted; ``stop`` always can.
+
+    What else must be so is known only when one is given: a part that is missing, a place that is
+    empty. The reply says it then.
+    """
+    events = {row.event for row in TRANSITIONS if state in row.sources}
+    found = {name for name, ways in _EVENTS.items() if events.intersection(ways)} | {"stop"}
+    if state in _ALREADY:
+        found.discard("pause")
+    if top_of(state) in {"idle", "fault"} or state == "paused_resting":
+        found.add("gripper")
+    return tuple(sorted(found))
