@@ -19,10 +19,10 @@ import psutil
 from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, load_config
-from cellctl.listening.voice import speak_to_wav
 from cellctl.messages import Snapshot
 from cellctl.sim.isolation import isolated
 from cellctl.sim.spawn import emulated_cell
+from cellctl.speaking.voices import speak_to_wav
 
 CONFIG = Path(__file__).parents[1] / "config" / "sim.toml"
 IDLE_S = 20.0

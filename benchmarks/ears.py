@@ -30,10 +30,10 @@ from cellctl.listening.ears.events import Segment, WakeWordHeard
 from cellctl.listening.ears.pipeline import Pipeline
 from cellctl.listening.ears.words import overheard_command
 from cellctl.listening.transcription import load, says_stop, transcribe_pcm
-from cellctl.listening.voice import speak_to_wav
 from cellctl.listening.wav import read_wav
 from cellctl.sim import sounds
 from cellctl.sim.sounds import Samples
+from cellctl.speaking.voices import speak_to_wav
 
 STOPS = ("stop", "stop stop", "stop it", "stop now", "halt", "please stop")
 WAKE_WORDS = ("okay_nabu", "hey_jarvis", "hey_mycroft", "alexa")

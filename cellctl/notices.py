@@ -29,6 +29,17 @@ NOTICES: dict[str, Notice] = {
             remedy="Plug the microphone in and look at `cellctl microphone`; the cell tries again.",
         ),
         Notice(
+            code="loudspeaker_lost",
+            title="The cell does not speak; what it says stands on the screen.",
+            causes=(
+                "The loudspeaker is unplugged, switched off, or muted in the sound settings.",
+                "Another one took its place.",
+                "The sound server has ended or is suspended.",
+                "There is no voice for the language.",
+            ),
+            remedy="Plug the loudspeaker in and try `cellctl voice test`; the cell tries again.",
+        ),
+        Notice(
             code="gripper_board_lost",
             title="The gripper's board does not answer on its serial port; its lines work on.",
             causes=("Its USB cable is out.", "Its board has no power."),

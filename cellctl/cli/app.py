@@ -41,6 +41,7 @@ from cellctl.cli import (
     sim_commands,
     status_commands,
     understand_command,
+    voice_commands,
 )
 from cellctl.errors import CellctlError, ExitStatus
 
@@ -86,6 +87,7 @@ for module in (
     doctor_command,
     commission_command,
     ears_commands,
+    voice_commands,
     sim_commands,
     config_commands,
     journal_commands,

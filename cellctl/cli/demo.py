@@ -126,7 +126,7 @@ def _difference(job: Any, name: str) -> float | None:
 
 
 def _spoken(text: str, folder: Path, console: Console) -> Path:
-    from cellctl.listening.voice import speak_to_wav  # noqa: PLC0415 - optional part
+    from cellctl.speaking.voices import speak_to_wav  # noqa: PLC0415 - optional part
 
     path = folder / "wish.wav"
     voice = speak_to_wav(text, path)

@@ -10,7 +10,13 @@ from rich.console import Console
 from rich.text import Text
 
 from cellctl import __version__, logs
-from cellctl.cli import doctor_boards, doctor_devices, doctor_software, doctor_system
+from cellctl.cli import (
+    doctor_boards,
+    doctor_devices,
+    doctor_software,
+    doctor_sound,
+    doctor_system,
+)
 from cellctl.cli.commissioning import commissioning
 from cellctl.cli.findings import DoctorReport, Finding, Level, ok, problem
 from cellctl.cli.options import ConfigOption, JsonOption, KeyOption, named_key
@@ -72,7 +78,8 @@ def _with(config: CellConfig, key: Path | None) -> list[Finding]:
         *doctor_software.packages(),
         *daemon_findings,
         *doctor_software.recogniser(config, snapshot),
-        *doctor_software.microphone(config, snapshot),
+        *doctor_sound.microphone(config, snapshot),
+        *doctor_sound.loudspeaker(config, snapshot),
         *doctor_boards.conveyor(config, snapshot),
         *doctor_boards.gripper(config, snapshot),
         *doctor_devices.robot(config, record),

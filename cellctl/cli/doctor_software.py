@@ -1,11 +1,9 @@
-"""The doctor's look at the software: packages, recogniser and models, microphone."""
+"""The doctor's look at the software: packages, recogniser and models."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 import re
-import subprocess
 import sys
 from collections.abc import Iterable
 from importlib import metadata
@@ -26,14 +24,10 @@ _EXTRA = re.compile(r"""extra == ["'](?P<extra>[^"']+)["']""")
 _EXTRAS = {
     "speech": "Without them no spoken wish is understood; typed ones are.",
     "service": "Without them systemd hears nothing of the daemon's state.",
+    "voice": "Without them English is spoken by espeak-ng, where it is installed.",
     "picture": "Without them no pictures are drawn.",
 }
 """Parts of cellctl that a cell may do without, and what it lacks then."""
-_LIST_MICROPHONES = (
-    "import json; from cellctl.listening.ears.microphone import input_devices; "
-    "print(json.dumps(input_devices()))"
-)
-_MICROPHONE_TIMEOUT_S = 15.0
 _MODEL_FILES = {"vosk": "am/final.mdl", "whisper": "model.bin"}
 """The file that tells one model from another."""
 _ENGINES = {"vosk": "vosk", "whisper": "faster-whisper"}
@@ -91,44 +85,6 @@ def recogniser(config: CellConfig, daemon: Snapshot | None) -> list[Finding]:
         return found
     found.append(ok("model", _described(model)))
     return found
-
-
-def microphone(config: CellConfig, daemon: Snapshot | None) -> list[Finding]:
-    """Whether the microphone is there. A daemon that listens is asked, and left in peace."""
-    if config.hearing.microphone == "none":
-        return [ok("microphone", "none is configured (hearing.microphone)")]
-    if daemon is None:
-        return [_listed(config.hearing.microphone)]
-    ears = daemon.ears
-    if ears.state in {"lost", "silent", "slow", "off"}:
-        advice = "Plug it in, or look at its volume and at the sound server."
-        return [problem("microphone", f"the daemon says {ears.state}: {ears.sentence}", advice)]
-    return [ok("microphone", f"the daemon listens to {ears.device or 'it'} ({ears.state})")]
-
-
-def _listed(wanted: str) -> Finding:
-    """Whether the sound system has a microphone of that name, or any for an empty one."""
-    try:
-        # A sound library may print, hang or crash, so it is asked in a process of its own.
-        done = subprocess.run(  # noqa: S603 - this very interpreter and package
-            [sys.executable, "-c", _LIST_MICROPHONES],
-            capture_output=True,
-            text=True,
-            timeout=_MICROPHONE_TIMEOUT_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        text = f"the sound system does not answer within {_MICROPHONE_TIMEOUT_S:.0f} s"
-        return problem("microphone", text, "Restart the sound server.")
-    if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or ["no reason given"]
-        return problem("microphone", f"cannot be looked for: {last[0]}", "Install PortAudio.")
-    names = json.loads(done.stdout.splitlines()[-1])
-    listed = f"there are: {', '.join(names)}" if names else "there is no input device at all"
-    if not names or (wanted and not any(wanted.lower() in name.lower() for name in names)):
-        text = f"{wanted or 'the default one'!r} is not there; {listed}"
-        return problem("microphone", text, "Plug it in, or correct hearing.microphone.")
-    return ok("microphone", f"{wanted or 'the default one'} is there ({listed})")
 
 
 def _described(model: FoundModel) -> str:

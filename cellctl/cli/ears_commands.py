@@ -58,14 +58,11 @@ def register(app: typer.Typer) -> None:
         config: ConfigOption = None, device: DeviceOption = None, seconds: SecondsOption = 5.0
     ) -> None:
         """List the microphones of this computer, and show how loud one hears."""
-        from cellctl.listening.ears import sound_server  # noqa: PLC0415 - only this command
-        from cellctl.listening.ears.microphone import (  # noqa: PLC0415 - starts PortAudio
-            input_devices,
-        )
+        from cellctl.sound import portaudio, server  # noqa: PLC0415 - only this command
 
-        for name in input_devices():
+        for name in portaudio.listed("input"):
             typer.echo(f"device  {name}")
-        for source in sound_server.sources():
+        for source in server.sources():
             if not source.monitor:
                 note = " (muted)" if source.muted else ""
                 typer.echo(f"source  {source.name}: {source.description}{note}")

@@ -44,6 +44,7 @@ from cellctl.config.services import (
     JournalSection,
     PlanningSection,
     PolicySection,
+    VoiceSection,
 )
 from cellctl.config.understanding import UnderstandingSection
 
@@ -75,6 +76,7 @@ __all__ = [
     "ToolSection",
     "UnderstandingSection",
     "Vector",
+    "VoiceSection",
     "VoxelSection",
     "WorkspaceSection",
     "find_config",

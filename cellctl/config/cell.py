@@ -33,6 +33,7 @@ from cellctl.config.services import (
     JournalSection,
     PlanningSection,
     PolicySection,
+    VoiceSection,
 )
 from cellctl.config.understanding import UnderstandingSection
 
@@ -54,6 +55,7 @@ class CellConfig(Section):
     hearing: HearingSection = HearingSection()
     understanding: UnderstandingSection = UnderstandingSection()
     dialogue: DialogueSection = DialogueSection()
+    voice: VoiceSection = VoiceSection()
     generating: GeneratingSection = GeneratingSection()
     planning: PlanningSection = PlanningSection()
     bus: BusSection = BusSection()

@@ -34,6 +34,21 @@ class HearingSection(Section):
     """Longer recordings are refused."""
 
 
+class VoiceSection(Section):
+    """How the cell speaks aloud; what it says stands on the screen all the same."""
+
+    loudspeaker: str = "none"
+    """``none`` opens no loudspeaker; empty is the system's own choice; else a part of one's name,
+    as ``cellctl voice devices`` lists them."""
+    voice: Annotated[str, Field(max_length=40, pattern=r"^[A-Za-z0-9+_-]*$")] = ""
+    """One of espeak-ng's voices, such as ``en-gb+f3``; empty is the packaged voice for English, and
+    espeak-ng's own for other languages."""
+    volume: Annotated[float, Field(gt=0.0, le=1.0)] = 0.7
+    """Of the loudest moment of each sentence, as a share of what the loudspeaker can."""
+    chimes: bool = True
+    """Sounds a chime when the cell begins to listen, and when it has heard something."""
+
+
 class PlanningSection(Section):
     """How a shape becomes a plan."""
 

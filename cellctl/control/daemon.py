@@ -37,13 +37,13 @@ from cellctl.control.moving import ArmAndLatch
 from cellctl.control.notify import Condition, ServiceManager, ServiceReport
 from cellctl.control.recollection import Recollection
 from cellctl.control.requests import RequestDesk
+from cellctl.control.voice import LiveVoice
 from cellctl.errors import CellFault, HearingError
 from cellctl.feeding.conveyor import Conveyor
 from cellctl.feeding.inventory import Counts
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import FaultData, GripperData, LogData, Snapshot, StatusData
-from cellctl.speaking import SilentSpeaker, Speaker
 from cellctl.wording import load_wording
 from cellctl.worker import WorkerError, WorkerProcess
 
@@ -91,6 +91,7 @@ class Daemon:
         )
         self.devices = Devices(self.arm, hands, belt, gripper_board, self.hearing, self.designer)
         self.builder = Dismantler(config, self.clock, hands=hands, belt=belt, journal=self.journal)
+        wording = load_wording(config.dialogue.language, config.dialogue.messages_folder)
         self.cell = Cell(
             config,
             self.clock,
@@ -98,18 +99,18 @@ class Daemon:
             builder=self.builder,
             journal=self.journal,
             publish=self._show,
-            wording=load_wording(config.dialogue.language, config.dialogue.messages_folder),
+            wording=wording,
         )
         self.service = ServiceReport(
             ServiceManager.from_environment(), self.cell.controller.probe, self._condition
         )
         self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish)
-        self.speaker: Speaker = SilentSpeaker()
+        self.voice = LiveVoice(config, wording, self._publish)
         self.dialogue = DialogueBoard(
             self.cell,
             self.clock,
             lambda: self.ears.data.state,
-            self.speaker,
+            self.voice,
             lambda data: self.bus.publish(data, self._state()),
         )
         self.recollection = Recollection(self.clock)
@@ -162,6 +163,7 @@ class Daemon:
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.wishes.recogniser,
             ears=self.ears.data,
+            voice=self.voice.data,
             dialogue=self.dialogue.data,
         )
 
@@ -295,6 +297,7 @@ class Daemon:
                 ("belt watch", self.devices.belt.watch(lambda: self.cell.started)),
                 ("gripper watch", self.devices.gripper_board.run()),
                 ("live ears", self.ears.run(self.desk.take)),
+                ("voice", self.voice.run()),
                 ("warm-up", self._warm_up()),
                 ("pruning", self._prune()),
                 ("service manager", self.service.run()),

@@ -11,8 +11,8 @@ import numpy as np
 
 from cellctl.errors import HearingError
 from cellctl.listening.commands import spoken_command
-from cellctl.listening.privacy import keep_libraries_offline
 from cellctl.listening.recogniser import Samples, Transcript
+from cellctl.sound.privacy import keep_libraries_offline
 
 if TYPE_CHECKING:
     from faster_whisper import WhisperModel

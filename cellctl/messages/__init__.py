@@ -89,6 +89,8 @@ from cellctl.messages.status import (
     SpeechData,
     StateData,
     StatusData,
+    VoiceCondition,
+    VoiceData,
 )
 
 __all__ = [
@@ -164,5 +166,7 @@ __all__ = [
     "StateData",
     "StatusData",
     "StatusMessage",
+    "VoiceCondition",
+    "VoiceData",
     "attachment_limit",
 ]

@@ -23,6 +23,7 @@ from cellctl.messages.status import (
     JobData,
     StateData,
     StatusData,
+    VoiceData,
 )
 
 SCHEMA_VERSION: Final = 2
@@ -71,6 +72,7 @@ class Snapshot(Value):
     health: HealthData
     recogniser: str
     ears: EarsData = EarsData(state="off")
+    voice: VoiceData = VoiceData(state="off")
     dialogue: DialogueData = DialogueData(phase="starting")
 
 

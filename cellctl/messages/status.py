@@ -150,6 +150,27 @@ class EarsData(Value):
     """What is wrong with them, while it is."""
 
 
+VoiceCondition = Literal["off", "starting", "quiet", "speaking", "silent", "lost"]
+"""``off``: no loudspeaker is configured; ``silent``: it is muted in the sound settings; ``lost``:
+there is no loudspeaker, or no voice for the language, and it is looked for again."""
+
+
+class VoiceData(Value):
+    """Topic ``voice``: whether and how the cell speaks aloud."""
+
+    state: VoiceCondition
+    device: str = ""
+    """The loudspeaker's name; empty while there is none."""
+    voice: str = ""
+    """Who speaks; empty until something was said."""
+    saying: str = ""
+    """What is being said; empty while nothing is."""
+    sentence: str = ""
+    """What is wrong, in words for the people in the room; empty while nothing is."""
+    notice: Notice | None = None
+    """What is wrong with it, while it is."""
+
+
 class FaultData(Value):
     """Topic ``fault``: the first cause, latched until a reset; ``entry`` None when cleared."""
 
@@ -188,6 +209,7 @@ StatusData = (
     | GripperData
     | SpeechData
     | EarsData
+    | VoiceData
     | DialogueData
     | FaultData
     | LogData
@@ -203,6 +225,7 @@ TOPICS: dict[str, type[Value]] = {
     "gripper": GripperData,
     "speech": SpeechData,
     "ears": EarsData,
+    "voice": VoiceData,
     "dialogue": DialogueData,
     "fault": FaultData,
     "log": LogData,

@@ -2,8 +2,8 @@
 
 The server has a virtual microphone (``SOURCE``) and a virtual loudspeaker, no sound card and no
 D-Bus, and a folder of its own for everything that it writes. Programs that are started with
-``environment`` open the microphone through ALSA and PortAudio as they open any other. A faint noise
-is always in it, as in any real microphone, until ``silence``.
+``environment`` open both through ALSA and PortAudio as they open any other. A faint noise is always
+in the microphone, as in any real one, until ``silence``.
 
 Needs Debian's ``pulseaudio``, ``pulseaudio-utils`` and ``libasound2-plugins``.
 """
@@ -20,6 +20,7 @@ from types import TracebackType
 from typing import IO, Self
 
 from cellctl.errors import CellctlError, UsageError
+from cellctl.sim.loudspeaker import VirtualLoudspeaker
 
 SOURCE = "vmic"
 """Name of the virtual microphone in the sound server."""
@@ -28,9 +29,7 @@ OTHER_SOURCE = "spk.monitor"
 _INPUT = "vmic_sink"
 _SCRIPT = f"""
 load-module module-native-protocol-unix socket={{socket}} auth-anonymous=1
-load-module module-null-sink sink_name=spk rate=16000 channels=1
 load-module module-null-sink sink_name={_INPUT} rate=16000 channels=1
-set-default-sink spk
 """
 _START_TIMEOUT_S = 15.0
 _ORDER_TIMEOUT_S = 10.0
@@ -59,6 +58,8 @@ class VirtualMicrophone:
         self._noise: subprocess.Popen[bytes] | None = None
         self._speaking: list[subprocess.Popen[bytes]] = []
         self._module = ""
+        self.loudspeaker = VirtualLoudspeaker(self.order, self.run, end)
+        """What the cell's voice comes out of."""
 
     @property
     def environment(self) -> Mapping[str, str]:
@@ -87,7 +88,7 @@ class VirtualMicrophone:
         script = self._folder / "start.pa"
         script.write_text(_SCRIPT.format(socket=self._folder / "native"), encoding="ascii")
         with (self._folder / "pulseaudio.log").open("wb") as log:
-            self._server = self._run(
+            self._server = self.run(
                 *("pulseaudio", "-n", "-F", str(script), "--daemonize=no"),
                 *("--exit-idle-time=-1", "--use-pid-file=no", "--disable-shm=yes"),
                 log=log,
@@ -98,16 +99,18 @@ class VirtualMicrophone:
                 log_text = (self._folder / "pulseaudio.log").read_text(errors="replace")
                 raise MicrophoneFailedError(f"PulseAudio does not start.\n{log_text}")
             time.sleep(_POLL_S)
+        self.loudspeaker.replug()
         self.replug()
         self.silence(False)
 
     def stop(self) -> None:
         """End the server and everything that plays on it; safe to repeat."""
+        self.loudspeaker.end()
         processes = [*self._speaking, self._noise, self._server]
         self._speaking, self._noise, self._server = [], None, None
         for process in processes:
             if process is not None:
-                _end(process)
+                end(process)
 
     def __enter__(self) -> Self:
         try:
@@ -134,7 +137,7 @@ class VirtualMicrophone:
         self._speaking = [process for process in self._speaking if process.poll() is None]
         began_s = time.monotonic()
         self._speaking.append(
-            self._run(
+            self.run(
                 "pacat", "--file-format=wav", "--latency-msec=500", f"--device={_INPUT}", str(wav)
             )
         )
@@ -158,28 +161,28 @@ class VirtualMicrophone:
 
     def unplug(self) -> None:
         """Take the microphone out; what records from it is moved to another source, unasked."""
-        self._order("unload-module", self._module)
+        self.order("unload-module", self._module)
 
     def replug(self) -> None:
         """Put the microphone in, as the default one."""
-        self._module = self._order(
+        self._module = self.order(
             *("load-module", "module-remap-source", f"master={_INPUT}.monitor"),
             *(f"source_name={SOURCE}", "source_properties=device.description=VirtualMicrophone"),
         )
-        self._order("set-default-source", SOURCE)
+        self.order("set-default-source", SOURCE)
 
     def suspend(self, suspended: bool) -> None:
         """Suspend the microphone, or wake it: what records from it hears nothing, and no error."""
-        self._order("suspend-source", SOURCE, str(int(suspended)))
+        self.order("suspend-source", SOURCE, str(int(suspended)))
 
     def silence(self, silent: bool) -> None:
         """Let the microphone deliver nothing but zeros, as behind a switch; or end that."""
         noise, self._noise = self._noise, None
         if noise is not None:
-            _end(noise)
+            end(noise)
         if not silent:
             with Path("/dev/urandom").open("rb") as noise_source:
-                self._noise = self._run(
+                self._noise = self.run(
                     *("pacat", "--raw", "--format=u8", "--rate=16000", "--channels=1"),
                     f"--latency-msec={_LATENCY_MS}",
                     *(f"--volume={_NOISE_VOLUME}", f"--device={_INPUT}"),
@@ -195,7 +198,12 @@ class VirtualMicrophone:
             ).returncode == 0
         )  # fmt: skip
 
-    def _order(self, *arguments: str) -> str:
+    def order(self, *arguments: str) -> str:
+        """Tell the server something by ``pactl``; returns its answer.
+
+        Raises:
+            MicrophoneFailedError: it refuses.
+        """
         done = subprocess.run(  # noqa: S603 - fixed programs with arguments of our own
             ["pactl", *arguments],  # noqa: S607 - found by PATH, as the person's own
             env=self._variables(),
@@ -208,9 +216,10 @@ class VirtualMicrophone:
             raise MicrophoneFailedError(f"pactl {' '.join(arguments)}: {done.stderr.strip()}")
         return done.stdout.strip()
 
-    def _run(
+    def run(
         self, *command: str, stdin: IO[bytes] | None = None, log: IO[bytes] | None = None
     ) -> subprocess.Popen[bytes]:
+        """Start a program that belongs to this server."""
         return subprocess.Popen(  # noqa: S603 - fixed programs with arguments of our own
             command,
             env=self._variables(),
@@ -223,7 +232,8 @@ class VirtualMicrophone:
         return {**os.environ, **self.environment}
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def end(process: subprocess.Popen[bytes]) -> None:
+    """End a program and wait for it."""
     process.terminate()
     try:
         process.wait(_END_TIMEOUT_S)

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from cellctl.errors import RefusedError
-from cellctl.listening.voice import speak_to_wav
 from cellctl.listening.wav import read_wav
 from cellctl.messages import ListenCommand, MuteCommand, SpeechData
 from cellctl.sim.microphone import VirtualMicrophone
+from cellctl.speaking.voices import speak_to_wav
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = pytest.mark.wire

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cellctl.listening.voice import speak_to_wav
 from cellctl.sim.world_values import Imperfections, ViolationKind
+from cellctl.speaking.voices import speak_to_wav
 from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset_and_resume
 from tests.cell.harness import RunningCell, running_cell
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cellctl.assembly import Cell
-from cellctl.listening.voice import speak_to_wav
+from cellctl.speaking.voices import speak_to_wav
 from cellctl.validating.rules import pieces
 from tests.cell.harness import RunningCell, running_cell
 

@@ -12,7 +12,7 @@ from scipy.io import wavfile
 from cellctl.config import HearingSection
 from cellctl.listening.models import open_recogniser
 from cellctl.listening.recogniser import Recogniser
-from cellctl.listening.voice import speak_to_wav
+from cellctl.speaking.voices import speak_to_wav
 
 Speak = Callable[[str], Path]
 

@@ -13,10 +13,10 @@ from cellctl.errors import HearingError
 from cellctl.listening.models import open_recogniser
 from cellctl.listening.recogniser import Recogniser, Samples
 from cellctl.listening.request import read_request
-from cellctl.listening.voice import speak_to_wav
 from cellctl.listening.vosk_recogniser import VoskRecogniser
 from cellctl.listening.wav import read_wav
 from cellctl.listening.whisper_recogniser import MIN_AVG_LOGPROB
+from cellctl.speaking.voices import speak_to_wav
 from tests.listening.conftest import Speak
 
 

@@ -20,9 +20,6 @@ SpokenAfter = Literal["", "wake_word", "push_to_talk", "open"]
 Expecting = Literal["request", "command"]
 """What may be said: a whole sentence, or nothing but yes, no, stop and the like."""
 
-LINE_LIMIT_BYTES = 2 << 20
-"""Longest line; the longest segment, 12 s in base64, takes 0.5 MB."""
-
 
 class Condition(Value):
     """How the ears are, from now on."""
@@ -68,19 +65,11 @@ class Segment(Value):
         return np.frombuffer(self.pcm, dtype=np.int16)
 
 
-class Alive(Value):
-    """The ears' process goes round its loop."""
-
-    kind: Literal["alive"] = "alive"
-
-
 Heard = WakeWordHeard | NoSpeech | Segment
 """What comes out of the pipeline."""
 EarsEvent = Condition | Heard
 """What the daemon gets."""
-FromEars: TypeAdapter[EarsEvent | Alive] = TypeAdapter(
-    Annotated[EarsEvent | Alive, Field(discriminator="kind")]
-)
+FromEars: TypeAdapter[EarsEvent] = TypeAdapter(Annotated[EarsEvent, Field(discriminator="kind")])
 
 
 class Expect(Value):
@@ -106,8 +95,3 @@ class Mute(Value):
 Order = Expect | Listen | Mute
 """What the daemon tells the ears."""
 ToEars: TypeAdapter[Order] = TypeAdapter(Annotated[Order, Field(discriminator="kind")])
-
-
-def encode(message: EarsEvent | Alive | Order) -> bytes:
-    """One line."""
-    return message.model_dump_json().encode() + b"\n"

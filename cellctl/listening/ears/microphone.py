@@ -13,49 +13,16 @@ import queue
 import time
 from typing import TYPE_CHECKING, Any
 
-from cellctl.errors import HearingError
-from cellctl.listening.ears import sound_server
 from cellctl.listening.ears.detectors import CHUNK_BYTES, CHUNK_SAMPLES
 from cellctl.listening.recogniser import SAMPLE_RATE_HZ
+from cellctl.sound import server
+from cellctl.sound.portaudio import SERVER_DEVICES, DeviceError, devices, portaudio, restart
 
 if TYPE_CHECKING:
     import sounddevice
 
 QUEUE_S = 1.5
 """Sound that may wait to be looked at; when more has come in, all of it is thrown away."""
-_SERVER_DEVICES = ("pulse", "pipewire")
-"""PortAudio's names for the sound server as a whole."""
-
-
-class MicrophoneError(HearingError):
-    """The microphone cannot be opened."""
-
-
-def portaudio() -> Any:
-    """The library's module.
-
-    Raises:
-        HearingError: it is not installed.
-    """
-    try:
-        import sounddevice  # noqa: PLC0415 - starts PortAudio, only where it is used
-    except (ImportError, OSError) as error:
-        raise HearingError(
-            f"The microphone's library is missing: {error}.",
-            "pip install 'cellctl[speech]', and on Debian apt install libportaudio2.",
-        ) from error
-    return sounddevice
-
-
-def input_devices() -> list[str]:
-    """Names of everything that PortAudio could record from, as it is now.
-
-    Raises:
-        HearingError: PortAudio is not installed or does not start.
-    """
-    library = portaudio()
-    _restart(library)
-    return [str(d["name"]) for d in library.query_devices() if d["max_input_channels"] > 0]
 
 
 class Microphone:
@@ -70,7 +37,7 @@ class Microphone:
 
     def __init__(self, wanted: str) -> None:
         library = portaudio()
-        _restart(library)
+        restart(library)
         device, self.name, self.source = _find(library, wanted)
         self.opened_s = time.monotonic()
         self.heard_s: float | None = None
@@ -93,7 +60,7 @@ class Microphone:
             )
             self._stream.start()
         except (library.PortAudioError, ValueError) as error:
-            raise MicrophoneError(f"{self.name}: cannot be opened: {error}.") from error
+            raise DeviceError(f"{self.name}: cannot be opened: {error}.") from error
 
     def read(self, timeout_s: float) -> bytes:
         """The next piece of sound; empty when none comes in time (wall time)."""
@@ -131,48 +98,30 @@ class Microphone:
                 self._queue.get_nowait()
 
 
-def _restart(library: Any) -> None:
-    """Let PortAudio look for devices anew.
-
-    Raises:
-        MicrophoneError: it does not start.
-    """
-    try:
-        with contextlib.suppress(library.PortAudioError):
-            library._terminate()
-        library._initialize()
-    except library.PortAudioError as error:
-        raise MicrophoneError(f"PortAudio does not start: {error}.") from error
-
-
 def _find(library: Any, wanted: str) -> tuple[int, str, str]:
     """The microphone that is meant: PortAudio's number, its name for people, and the sound server's
     name where it was chosen by that."""
     os.environ.pop("PULSE_SOURCE", None)
-    inputs = {
-        number: str(device["name"])
-        for number, device in enumerate(library.query_devices())
-        if device["max_input_channels"] > 0
-    }
+    inputs = devices(library, "input")
     if not inputs:
-        raise MicrophoneError("There is no microphone.", "Plug one in.")
-    servers = [n for n, name in inputs.items() if name in _SERVER_DEVICES]
+        raise DeviceError("There is no microphone.", "Plug one in.")
+    servers = [n for n, name in inputs.items() if name in SERVER_DEVICES]
     if not wanted:
         default = int(library.default.device[0])
         # The server shares its microphones; ALSA's own default may not.
-        number = servers[0] if servers and sound_server.sources() else default
+        number = servers[0] if servers and server.sources() else default
         number = number if number in inputs else next(iter(inputs))
         return number, inputs[number], ""
     for number, name in inputs.items():
         if wanted.lower() in name.lower():
             return number, name, ""
-    for source in sound_server.sources() if servers else []:
+    for source in server.sources() if servers else []:
         known_as = f"{source.name}\n{source.description}".lower()
         if wanted.lower() in known_as and not source.monitor:
             # The sound server's library reads this when the stream is opened.
             os.environ["PULSE_SOURCE"] = source.name
             return servers[0], source.description, source.name
-    raise MicrophoneError(
+    raise DeviceError(
         f"There is no microphone {wanted!r}.",
         "`cellctl microphone` lists what is there.",
     )

@@ -12,12 +12,13 @@ import time
 from collections.abc import Callable
 
 from cellctl.errors import HearingError
-from cellctl.listening.ears import sound_server
 from cellctl.listening.ears.events import Condition, EarsEvent, Segment
 from cellctl.listening.ears.microphone import Microphone
 from cellctl.listening.ears.pipeline import Pipeline
-from cellctl.listening.ears.sound_server import Source
 from cellctl.messages import EarsCondition
+from cellctl.sound import server
+from cellctl.sound.back_off import BackOff
+from cellctl.sound.server import ServerWatch, Source
 
 STEP_S = 0.1
 """Longest wait for sound in one step (wall time)."""
@@ -35,10 +36,6 @@ HELD_UP_S = 1.0
 say what they threw away."""
 SLOW_SHOWN_S = 2.0
 """How long it is told that sound was lost."""
-BACK_OFF_S = (0.25, 0.5, 1.0, 2.0)
-"""Waits between attempts to open the microphone; the last one for ever (wall time)."""
-SOURCE_EVERY_S = 0.7
-"""How often the sound server is asked what is recorded (wall time)."""
 
 
 class Supervisor:
@@ -56,11 +53,10 @@ class Supervisor:
         self._tell = tell
         self._told: Condition | None = None
         self._microphone: Microphone | None = None
-        self._watch: _SourceWatch | None = None
+        self._watch: ServerWatch[Source] | None = None
         self._muted = False
         self._trouble = ""
-        self._attempts = 0
-        self._next_attempt_s = 0.0
+        self._back_off = BackOff()
         self._zeros_since_s: float | None = None
         self._slow_until_s = 0.0
         self._lost_before_s = 0.0
@@ -72,7 +68,7 @@ class Supervisor:
         if muted:
             self._close()
             self._trouble = ""
-        self._attempts, self._next_attempt_s = 0, 0.0
+        self._back_off.begin_anew()
 
     def step(self) -> None:
         """Take in a little sound, or try to get a microphone; ends within some 0.1 s unless
@@ -91,14 +87,14 @@ class Supervisor:
         self._close()
 
     def _open_if_due(self) -> None:
-        if time.monotonic() < self._next_attempt_s:
+        if not self._back_off.due:
             return
         try:
             self._microphone = Microphone(self._wanted)
         except HearingError as error:
             self._lose(str(error))
             return
-        self._watch = _SourceWatch()
+        self._watch = ServerWatch(server.recorded_source)
         self._zeros_since_s = None
         self._lost_before_s, self._stepped_s = 0.0, time.monotonic()
 
@@ -129,7 +125,7 @@ class Supervisor:
         elif sound:
             self._trouble = ""
             if now_s - microphone.opened_s > 2.0 * SILENCE_S:
-                self._attempts = 0
+                self._back_off.worked()
             self._feed(sound)
 
     def _feed(self, sound: bytes) -> None:
@@ -153,16 +149,12 @@ class Supervisor:
         return source.monitor or microphone.source not in ("", source.name)
 
     def _source(self) -> Source | None:
-        if self._watch is None:
-            return None
-        return self._watch.source
+        return self._watch.answer if self._watch is not None else None
 
     def _lose(self, why: str) -> None:
         self._close()
         self._trouble = why
-        wait_s = BACK_OFF_S[min(self._attempts, len(BACK_OFF_S) - 1)]
-        self._attempts += 1
-        self._next_attempt_s = time.monotonic() + wait_s
+        self._back_off.failed()
 
     def _close(self) -> None:
         watch, self._watch = self._watch, None
@@ -207,22 +199,3 @@ class Supervisor:
         if self._pipeline.open_to_all:
             return "listening", "Say what you would like."
         return "waiting", self._pipeline.how_to_begin
-
-
-class _SourceWatch:
-    """Asks the sound server in a thread of its own, for it may take its time."""
-
-    def __init__(self) -> None:
-        self.source: Source | None = None
-        """What is recorded; None when nobody can tell."""
-        self._ended = threading.Event()
-        threading.Thread(target=self._run, name="source watch", daemon=True).start()
-
-    def end(self) -> None:
-        """Ask no more; the thread ends after the present question."""
-        self._ended.set()
-
-    def _run(self) -> None:
-        while not self._ended.is_set():
-            self.source = sound_server.recorded_source()
-            self._ended.wait(SOURCE_EVERY_S)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from cellctl.errors import HearingError
-from cellctl.listening.voice import speak_to_wav
 from cellctl.listening.wav import duration_s, is_silent, read_wav
+from cellctl.speaking.voices import speak_to_wav
 
 
 def hide_hibari(monkeypatch: pytest.MonkeyPatch) -> None:

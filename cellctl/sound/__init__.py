@@ -1,0 +1,1 @@
+"""The sound system: what hearing and speaking need of it, each in a process of its own."""
