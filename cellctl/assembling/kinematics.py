@@ -21,6 +21,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import ur_analytic_ik
 
+from cellctl.arm_form import LINK_LENGTHS
 from cellctl.assembling.poses import Floats, Matrix, inverse, to_pose
 from cellctl.config import Joints
 
@@ -36,26 +37,6 @@ _SEARCH_STEPS = 60
 _SEARCH_DAMPING = 1e-3
 _POSITION_TOLERANCE_M = 1e-6
 _ROTATION_TOLERANCE_RAD = 1e-6
-
-
-class LinkLengths(NamedTuple):
-    """Universal Robots, "DH Parameters for calculations of kinematics and dynamics"; metres."""
-
-    d1: float
-    """Height of the shoulder's axis above the foot."""
-    upper_arm: float
-    forearm: float
-    d4: float
-    """Wrist 1, sideways out of the arm's plane."""
-    d5: float
-    d6: float
-    """From the crossing of the last two axes to the flange."""
-
-
-LINK_LENGTHS = {
-    "ur10": LinkLengths(0.1273, 0.612, 0.5723, 0.163941, 0.1157, 0.0922),
-    "ur10e": LinkLengths(0.1807, 0.6127, 0.57155, 0.17415, 0.11985, 0.11655),
-}
 
 
 class Branch(NamedTuple):

@@ -1,7 +1,6 @@
 """The arm's links as rows of spheres along their axes: what of it could touch something, or itself.
 
-Lengths: Universal Robots, "DH Parameters"; sideways offsets of the two tubes: the robot's own
-description files. The radii hold the tubes and their joint housings, and the gaps between the
+The radii hold the tubes and their joint housings, and the gaps between the
 spheres' middles. All nominal.
 """
 
@@ -13,14 +12,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cellctl.assembling.kinematics import LINK_LENGTHS
+from cellctl.arm_form import FORE_ASIDE_M, LINK_LENGTHS, UPPER_ASIDE_M
 from cellctl.assembling.obstacles import Obstacles
 from cellctl.assembling.poses import Floats
 
 LinkName = Literal["upper arm", "elbow", "forearm", "wrist"]
 
-_UPPER_ASIDE_M = {"ur10": 0.2209, "ur10e": 0.1762}
-_FORE_ASIDE_M = {"ur10": 0.0490, "ur10e": 0.0393}
 _OWN = frozenset({"the arm's own foot", "the pedestal"})
 """What the upper arm is fixed on; its shoulder is always near."""
 _UPPER_SHARES = np.linspace(0.12, 1.0, 8)
@@ -74,7 +71,7 @@ def links(joints_rad: Floats, model: Literal["ur10", "ur10e"]) -> Links:
 
     shoulder = np.broadcast_to(lengths.d1 * up, ahead.shape)
     upper, fore = along(lift, lengths.upper_arm), along(bend, lengths.forearm)
-    upper_aside, fore_aside = _UPPER_ASIDE_M[model] * aside, _FORE_ASIDE_M[model] * aside
+    upper_aside, fore_aside = UPPER_ASIDE_M[model] * aside, FORE_ASIDE_M[model] * aside
     elbow, wrist = shoulder + upper, shoulder + upper + fore
     fifth = np.sin(roll)[:, None] * ahead - np.cos(roll)[:, None] * up
     level = np.cos(roll)[:, None] * ahead + np.sin(roll)[:, None] * up

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ipaddress
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 from urllib.parse import urlsplit
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from cellctl.config.section import Port, Section
 
@@ -21,8 +21,6 @@ class KioskSection(Section):
     public_url: str = ""
     """Address under which a visitor's phone reaches the page, such as ``http://cell.local:8080``;
     the code to take an object home shows it. Empty: no code, unless ``address`` is not loopback."""
-    language: Annotated[str, Field(pattern=r"^[a-z]{2}$")] = "en"
-    """The language that it begins with; every visitor can choose another."""
     theme: Literal["auto", "light", "dark"] = "auto"
     """``auto`` follows what the browser's system prefers; every visitor can choose."""
     visitors_may_act: bool = True

@@ -22,7 +22,7 @@ from cellctl.client import CellClient
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError
 from cellctl.kiosk.mirror import Mirror, Sequence
-from cellctl.messages import Command, ControlReply, StatusMessage
+from cellctl.messages import Command, ControlReply, FileData, FileKind, StatusMessage
 
 log = structlog.get_logger(__name__)
 
@@ -67,6 +67,21 @@ class BusLink:
             CellctlError: what the cell, or the way to it, says against it.
         """
         return await asyncio.to_thread(self._ask, body, attachment, role, timeout_s)
+
+    async def file(
+        self, kind: FileKind, job_id: str, *, role: Role = Role.VISITOR
+    ) -> tuple[FileData, bytes]:
+        """A file of a job.
+
+        Raises:
+            CellctlError: there is none, that role may not have it, or the cell does not answer.
+        """
+
+        def ask() -> tuple[FileData, bytes]:
+            with CellClient.for_role(self._config, role, _REQUEST_S, self._key) as cell:
+                return cell.file(kind, job_id)
+
+        return await asyncio.to_thread(ask)
 
     def _ask(
         self, body: Command, attachment: bytes | None, role: Role, timeout_s: float

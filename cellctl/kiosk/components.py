@@ -186,6 +186,10 @@ class Entry(Element):
             " emit(field.value); field.value = ''; }",
         )
 
+    def invite(self, label: str) -> None:
+        """Say what may be typed."""
+        attribute(self._input, "placeholder", label)
+
     async def _submitted(self, event: Any) -> None:
         text = str(event.args).strip()
         if text:

@@ -18,6 +18,7 @@ from cellctl.assembly import PartOutcome, StepKind
 from cellctl.messages import (
     ArmData,
     ConveyorData,
+    DialogueData,
     EarsData,
     FaultData,
     GripperData,
@@ -46,6 +47,7 @@ _FIELDS: Final[dict[type, str]] = {
     GripperData: "gripper",
     FaultData: "fault",
     EarsData: "ears",
+    DialogueData: "dialogue",
     HealthData: "health",
 }
 """Messages that take the place of one part of the snapshot."""

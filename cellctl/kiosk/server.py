@@ -13,14 +13,16 @@ from fastapi import Request, Response
 from nicegui import app, ui
 
 from cellctl.config import CellConfig
+from cellctl.errors import CellctlError
 from cellctl.kiosk.bus_link import BusLink
 from cellctl.kiosk.operator.page import operator_page
-from cellctl.kiosk.shell import Site, shell
+from cellctl.kiosk.shell import LOOK, Site, shell
+from cellctl.kiosk.take_home import JobFiles
 from cellctl.kiosk.visitor.page import visitor_page
+from cellctl.messages import FileKind
 
 log = structlog.get_logger(__name__)
 
-LOOK: Final = Path(__file__).parent / "look"
 _RECONNECT_S: Final = 30.0
 """So long a browser that was cut off finds its page again as it was."""
 _POLICY: Final = (
@@ -52,6 +54,7 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     app.middleware("http")(_guarded)
     app.add_static_files("/look", LOOK)
     _add_pages(site)
+    _add_files(site)
     ui.run(
         host=config.kiosk.address,
         port=config.kiosk.port,
@@ -66,6 +69,34 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
         binding_refresh_interval=None,
         storage_secret=secrets.token_urlsafe(32),
         session_middleware_kwargs={"same_site": "strict"},
+    )
+
+
+def _add_files(site: Site) -> None:
+    files = JobFiles(site.link)
+
+    @app.get("/job/{job_id}/mesh.glb")
+    async def mesh(job_id: str) -> Response:
+        return await _file(files, job_id, "mesh")
+
+    @app.get("/job/{job_id}/object.glb")
+    async def steps(job_id: str) -> Response:
+        return await _file(files, job_id, "steps")
+
+
+async def _file(files: JobFiles, job_id: str, kind: FileKind) -> Response:
+    """A file of a job, under the name that it is saved by."""
+    try:
+        found = await files.get(job_id, kind)
+    except CellctlError as error:
+        return Response(str(error), status_code=404, media_type="text/plain")
+    return Response(
+        found.content,
+        media_type=found.data.media_type,
+        headers={
+            "Content-Disposition": f'inline; filename="{found.data.name}"',
+            "Cache-Control": "private, max-age=3600",
+        },
     )
 
 

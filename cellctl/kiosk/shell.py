@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import Final
 
 from nicegui import ui
@@ -15,7 +18,8 @@ from cellctl.kiosk.components import Text, attribute, box, icon, shown
 from cellctl.kiosk.mirror import Mirror
 from cellctl.kiosk.words import Words, languages
 
-SHEETS: Final = ("kiosk", "visitor")
+LOOK: Final = Path(__file__).parent / "look"
+SHEETS: Final = ("kiosk", "visitor", "operator")
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,7 @@ def shell(site: Site, language: str, title: str, *, role: str) -> Iterator[Page]
         title: key of the view's name.
         role: ``visitor`` or ``operator``; the style sheet's class of the page.
     """
-    words = Words(language or site.config.kiosk.language)
+    words = Words(language or site.config.dialogue.language)
     page = Page(site, words)
     ui.page_title(f"{words.say(title)} · {site.config.cell.name}")
     _head(words.language, site.config.kiosk.theme)
@@ -82,11 +86,22 @@ def shell(site: Site, language: str, title: str, *, role: str) -> Iterator[Page]
 
 def _head(language: str, theme: str) -> None:
     """Styles, and what must be known before anything is drawn."""
-    sheets = "".join(f'<link rel="stylesheet" href="/look/{name}.css">' for name in SHEETS)
-    ui.add_head_html(
-        f'{sheets}<script src="/look/page.js" data-language="{language}" data-theme="{theme}">'
-        "</script>"
+    sheets = "".join(
+        f'<link rel="stylesheet" href="/look/{name}.css?{look_key()}">' for name in SHEETS
     )
+    ui.add_head_html(
+        f'{sheets}<script src="/look/page.js?{look_key()}" data-language="{language}" '
+        f'data-theme="{theme}"></script>'
+    )
+
+
+@cache
+def look_key() -> str:
+    """Changes when a file of the look does, so that no browser keeps an old one."""
+    digest = sha256()
+    for file in sorted(LOOK.iterdir()):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _bar(page: Page) -> None:

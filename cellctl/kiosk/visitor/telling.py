@@ -3,36 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Literal
 
-from cellctl.assembly import Change, StepKind
-from cellctl.messages import JobData, Snapshot, SpeechData
+from cellctl.assembly import Change
+from cellctl.messages import DialogueData, Offer, Question, QueueEntry, Snapshot
 
 Phase = Literal[
     "never",
     "starting",
-    "idle",
+    "ready",
+    "done",
     "hearing",
     "thinking",
     "asking",
     "building",
-    "apart",
-    "done",
-    "paused",
+    "taking_apart",
+    "waiting",
     "fault",
 ]
-
-_OF_TOP: dict[str, Phase] = {
-    "starting": "starting",
-    "listening": "hearing",
-    "generating": "thinking",
-    "validating": "thinking",
-    "feeding": "building",
-    "assembling": "building",
-    "disassembling": "apart",
-    "paused": "paused",
-    "fault": "fault",
-}
+"""Those of the topic ``dialogue``, and ``never``: the cell was not heard of yet; ``hearing``: what
+is said now is a request; ``done``: an object is finished and stands."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +32,13 @@ class Telling:
 
     phase: Phase
     sentence: str = ""
+    """What the cell says, in its own language."""
+    language: str = "en"
+    """Of the sentence."""
+    speaking: bool = False
+    question: Question = ""
+    deadline: datetime | None = None
+    offers: tuple[Offer, ...] = ()
     heard: str = ""
     understood: str = ""
     changes: tuple[Change, ...] = ()
@@ -49,72 +47,64 @@ class Telling:
     total: int = 0
     left_s: float | None = None
     """How long the rest will take, as far as the plan tells (cell time)."""
-    predicted_s: float | None = None
-    takes_apart: bool = False
-    standing: bool = False
-    """Whether something stands in the workspace."""
-    moving: bool = False
-    """Whether the arm may move, so that *stop* counts."""
+    queue: tuple[QueueEntry, ...] = ()
+    job_id: str = ""
 
 
-def telling(snapshot: Snapshot | None, speech: SpeechData | None) -> Telling:
+def telling(snapshot: Snapshot | None) -> Telling:
     """What to tell.
 
     Args:
         snapshot: the cell; None when it was never heard of.
-        speech: what was heard last.
     """
     if snapshot is None:
         return Telling("never")
-    state, job = snapshot.state.state, snapshot.job
+    talk, job, plan = snapshot.dialogue, snapshot.job, snapshot.plan
     phase = _phase(snapshot)
-    steps = snapshot.plan.steps if snapshot.plan is not None else ()
-    takes_apart = bool(steps) and all(step.kind is StepKind.REMOVE for step in steps)
     placed = job.parts_placed if job is not None else 0
-    left = [step.duration_s for step in steps[placed:]]
-    heard = _heard(job, speech) if phase != "idle" else ""
-    sentence = snapshot.state.sentence
-    if snapshot.fault.entry is not None:
-        sentence = snapshot.fault.entry.title
+    left = [step.duration_s for step in plan.steps[placed:]] if plan is not None else []
+    sentence, language = _sentence(snapshot)
     return Telling(
         phase=phase,
         sentence=sentence,
-        heard=heard,
-        understood=_understood(job) if phase != "idle" else "",
+        language=language,
+        speaking=talk.speaking,
+        question=talk.question,
+        deadline=talk.deadline,
+        offers=talk.offers,
+        heard=talk.heard if phase not in {"ready"} else "",
+        understood=talk.understood if phase not in {"ready"} else "",
         changes=job.changes if job is not None and phase in {"asking", "building", "done"} else (),
-        title=snapshot.plan.title if snapshot.plan is not None else "",
+        title=plan.title if plan is not None else "",
         placed=placed,
         total=job.parts_total if job is not None else 0,
         left_s=sum(s for s in left if s is not None) if left and None not in left else None,
-        predicted_s=job.predicted_s if job is not None else None,
-        takes_apart=takes_apart,
-        standing=bool(snapshot.standing),
-        moving=state.split("_", maxsplit=1)[0] in {"feeding", "assembling", "disassembling"}
-        or state in {"paused_braking", "paused_moving"},
+        queue=talk.queue,
+        job_id=job.job_id if job is not None else "",
     )
 
 
 def _phase(snapshot: Snapshot) -> Phase:
-    state, job = snapshot.state.state, snapshot.job
-    if state == "validating_confirming":
-        return "asking"
-    if state == "listening_interpreting":
-        return "thinking"
-    if state != "idle":
-        return _OF_TOP.get(state.split("_", maxsplit=1)[0], "starting")
-    if snapshot.ears.state == "recording":
+    talk, job = snapshot.dialogue, snapshot.job
+    if snapshot.ears.state == "recording" and talk.phase in {"ready", "asking"}:
+        return "hearing" if talk.phase == "ready" else "asking"
+    if snapshot.state.state in {"listening_waiting", "listening_hearing"}:
         return "hearing"
-    ended_well = job is not None and job.outcome == "built"
-    return "done" if ended_well and snapshot.standing else "idle"
+    if talk.phase == "ready" and snapshot.standing and job is not None and job.outcome == "built":
+        return "done"
+    return talk.phase
 
 
-def _heard(job: JobData | None, speech: SpeechData | None) -> str:
-    if job is not None and job.utterance is not None:
-        return job.utterance.text
-    return speech.utterance.text if speech is not None else ""
+def _sentence(snapshot: Snapshot) -> tuple[str, str]:
+    """What the cell says, and in which language: what it does now, unless it waits for words."""
+    talk = snapshot.dialogue
+    if _waits_for_words(talk) and talk.line is not None:
+        return talk.line.text, talk.line.language
+    language = talk.line.language if talk.line is not None else "en"
+    if snapshot.fault.entry is not None:
+        return snapshot.fault.entry.title, "en"
+    return snapshot.state.sentence, language
 
 
-def _understood(job: JobData | None) -> str:
-    if job is None or job.request is None or job.request.phrase == "false":
-        return ""
-    return job.request.phrase
+def _waits_for_words(talk: DialogueData) -> bool:
+    return talk.phase in {"ready", "asking"}

@@ -1,0 +1,88 @@
+"""What a visitor may do, within thumb's reach; never more than the visitor's door takes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from cellctl.assembly import Role
+from cellctl.kiosk.components import Action, Button, Entry, Kind, box, shown
+from cellctl.kiosk.shell import Page
+from cellctl.kiosk.visitor.telling import Telling
+from cellctl.messages import (
+    MAX_TEXT,
+    Command,
+    ConfirmCommand,
+    ListenCommand,
+    Offer,
+    PlainCommand,
+    SayCommand,
+)
+
+_BUTTONS: Final[dict[Offer, tuple[Kind, str]]] = {
+    "yes": ("strong", "yes"),
+    "no": ("plain", "no"),
+    "another": ("plain", "another"),
+    "talk": ("strong", "mic"),
+    "hand_over": ("plain", "home"),
+    "take_apart": ("plain", "apart"),
+    "cancel": ("plain", "no"),
+    "stop": ("danger", "stop"),
+}
+"""How each stands out, and its picture; in this order. A change is typed or said."""
+_COMMANDS: Final[dict[Offer, Command]] = {
+    "yes": ConfirmCommand(answer=True),
+    "no": ConfirmCommand(answer=False),
+    "another": SayCommand(text="show me another one"),
+    "talk": ListenCommand(),
+    "hand_over": PlainCommand(command="hand_over"),
+    "take_apart": PlainCommand(command="take_apart"),
+    "cancel": PlainCommand(command="cancel"),
+    "stop": PlainCommand(command="stop"),
+}
+_TYPED_IN: Final = frozenset({"ready", "done", "asking", "hearing", "building", "taking_apart"})
+"""Phases in which words are listened to, and typed ones as well."""
+
+
+class Actions:
+    """Buttons for what is offered, and a line to type into wherever speech works."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        words = page.words
+        self._buttons: dict[Offer, Button] = {}
+        with box("div", "actions") as self._whole:
+            with box("div", "actions__buttons") as self._row:
+                for offer, (kind, picture) in _BUTTONS.items():
+                    self._buttons[offer] = Button(
+                        words.say(f"offer.{offer}"),
+                        self._doing(_COMMANDS[offer]),
+                        kind=kind,
+                        picture=picture,
+                        classes=f"offer offer--{offer}",
+                    )
+            self._entry = Entry(
+                words.say("visit.type"), words.say("visit.send"), self._typed, MAX_TEXT
+            )
+
+    def _doing(self, body: Command) -> Action:
+        async def act() -> None:
+            await self._page.site.link.ask(body, role=Role.VISITOR)
+
+        return act
+
+    async def _typed(self, text: str) -> None:
+        await self._page.site.link.ask(SayCommand(text=text), role=Role.VISITOR)
+
+    def show(self, now: Telling) -> None:
+        """Offer what makes sense now."""
+        page = self._page
+        shown(self._whole, page.site.config.kiosk.visitors_may_act and now.phase != "never")
+        stale = page.site.mirror.stale
+        for offer, button in self._buttons.items():
+            shown(button, offer in now.offers)
+            # Stop is always tried: it fails safe.
+            button.enable(not stale or offer == "stop")
+        shown(self._row, any(offer in now.offers for offer in self._buttons))
+        shown(self._entry, now.phase in _TYPED_IN)
+        key = "visit.type_change" if "change" in now.offers else "visit.type"
+        self._entry.invite(page.words.say(key))
