@@ -104,8 +104,8 @@ class Daemon:
         self.service = ServiceReport(
             ServiceManager.from_environment(), self.cell.controller.probe, self._condition
         )
-        self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish)
         self.voice = LiveVoice(config, wording, self._publish)
+        self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish, self.voice)
         self.dialogue = DialogueBoard(
             self.cell,
             self.clock,

@@ -16,14 +16,19 @@ import structlog
 
 from cellctl.assembly import Role, Utterance
 from cellctl.config import HearingSection
+from cellctl.control.drafts import Drafts
 from cellctl.control.states import TRANSITIONS, Event
+from cellctl.control.voice import LiveVoice
 from cellctl.errors import CellctlError, HearingError, RefusedError
 from cellctl.listening.ears.ears import Ears
-from cellctl.listening.ears.events import Condition, NoSpeech, Segment, WakeWordHeard
+from cellctl.listening.ears.events import Condition, Draft, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.words import overheard_command
 from cellctl.listening.hearing import Hearing
+from cellctl.listening.own_words import OwnWords, of_others, says_stop
+from cellctl.listening.recogniser import SAMPLE_RATE_HZ
 from cellctl.messages import EarsData, SpeechData, StatusData
 from cellctl.notices import NOTICES
+from cellctl.speaking.events import Began, Ended
 
 log = structlog.get_logger(__name__)
 
@@ -55,6 +60,7 @@ class LiveEars:
         hearing: the recogniser.
         state: the machine's present state.
         publish: sends a status message.
+        voice: what the cell says itself, and what falls silent when somebody else speaks.
     """
 
     def __init__(
@@ -63,11 +69,16 @@ class LiveEars:
         hearing: Hearing,
         state: Callable[[], str],
         publish: Callable[[StatusData], None],
+        voice: LiveVoice,
     ) -> None:
         self._settings = settings
         self._hearing = hearing
         self._state = state
         self._publish = publish
+        self._voice = voice
+        voice.heed = self._heed
+        self._own = OwnWords()
+        self._drafts = Drafts(hearing.hear_samples)
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
         self.data = EarsData(
@@ -85,11 +96,14 @@ class LiveEars:
         """
         if self._ears is None:
             return
-        async with asyncio.TaskGroup() as tasks:
-            tasks.create_task(self._ears.run(), name="ears process")
-            tasks.create_task(self._follow(self._ears), name="ears follow")
-            tasks.create_task(self._events(self._ears), name="ears events")
-            tasks.create_task(self._recognise(take), name="ears recognise")
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._ears.run(), name="ears process")
+                tasks.create_task(self._follow(self._ears), name="ears follow")
+                tasks.create_task(self._events(self._ears), name="ears events")
+                tasks.create_task(self._recognise(take), name="ears recognise")
+        finally:
+            await self._drafts.close()
 
     def listen(self) -> str:
         """Press the button; returns what happens now.
@@ -101,6 +115,7 @@ class LiveEars:
         if self.data.state in {"muted", "lost", "starting"}:
             raise RefusedError(f"The microphone is not at work ({self.data.state}).")
         ears.listen()
+        self._voice.listens()
         return "I am listening."
 
     def mute(self, muted: bool) -> str:
@@ -132,9 +147,14 @@ class LiveEars:
                     self._changed(condition)
                 case WakeWordHeard(word=word):
                     log.info("wake word heard", word=word)
+                    self._voice.listens()
+                case Draft() as draft:
+                    self._drafts.begin(draft)
                 case NoSpeech():
                     self._tell("Nobody said anything.")
                 case Segment() as segment:
+                    if segment.after in {"wake_word", "push_to_talk"}:
+                        self._voice.ring("heard")
                     if self._segments.full():
                         log.warning("too much is said at once; the oldest is not recognised")
                         self._segments.get_nowait()
@@ -163,10 +183,16 @@ class LiveEars:
         while True:
             segment = await self._segments.get()
             try:
-                if await self._stopped_at_once(segment, take):
+                own = self._own_words(segment)
+                if await self._stopped_at_once(segment, own, take):
                     continue
-                utterance = await self._hearing.hear_samples(segment.pcm)
-                await self._judge(segment, utterance, take)
+                utterance = await self._drafts.result(segment)
+                others = of_others(utterance.text, own)
+                if utterance.text and not others:
+                    log.info("own voice heard", text=utterance.text)
+                    continue
+                said = utterance.model_copy(update={"text": others})
+                await self._judge(segment, said, take)
             except HearingError as error:
                 log.warning("speech not recognised", reason=str(error))
                 self._tell(str(error))
@@ -177,9 +203,27 @@ class LiveEars:
                 # The next word may be "stop": it must be heard whatever went wrong with this one.
                 log.exception("heard in vain")
 
-    async def _stopped_at_once(self, segment: Segment, take: Take) -> bool:
+    def _own_words(self, segment: Segment) -> str:
+        """What the cell itself said while that was heard."""
+        begun_s = segment.speech_end_s - len(segment.samples) / SAMPLE_RATE_HZ
+        return self._own.during(begun_s, segment.speech_end_s)
+
+    def _heed(self, event: Began | Ended, text: str) -> None:
+        """The cell itself begins or ends to speak, or sounds a chime."""
+        if self._ears is None:
+            return
+        if isinstance(event, Began):
+            self._own.began(event.number, text, event.at_s)
+            wakes = self._settings.wake_word.replace("_", " ") in text.lower()
+            self._ears.own_voice_began(event.at_s, event.envelope, wakes=wakes)
+        elif self._own.ended(event.number, event.at_s):
+            self._ears.own_voice_ended(event.at_s)
+
+    async def _stopped_at_once(self, segment: Segment, own: str, take: Take) -> bool:
         """Recognising a whole sentence takes time that "stop" has not got."""
-        if self._state() in _REQUEST_STATES or not await self._hearing.says_stop(segment.pcm):
+        if self._state() in _REQUEST_STATES or says_stop(own):
+            return False
+        if not await self._hearing.says_stop(segment.pcm):
             return False
         await self._do(Utterance(text="stop", source="microphone"), segment, take)
         return True
@@ -196,6 +240,7 @@ class LiveEars:
     async def _do(self, utterance: Utterance, segment: Segment, take: Take) -> None:
         delay_s = round(time.monotonic() - segment.speech_end_s, 3)
         log.info("heard", text=utterance.text, after=segment.after or "nothing", delay_s=delay_s)
+        self._voice.hush()
         self._publish(SpeechData(utterance=utterance))
         await take(utterance, Role.VISITOR)
 

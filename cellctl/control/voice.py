@@ -61,6 +61,13 @@ class LiveVoice:
         if self._mouth is not None and self._chimes and not self._mouth.busy:
             self._mouth.ring(chime)
 
+    def listens(self) -> None:
+        """Somebody wants to speak: fall silent, and sound the chime for it."""
+        if self._mouth is not None:
+            self._mouth.hush()
+            if self._chimes:
+                self._mouth.ring("listening")
+
     def hush(self) -> None:
         """See ``Speaker``."""
         if self._mouth is not None:

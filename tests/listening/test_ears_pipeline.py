@@ -10,7 +10,7 @@ import pytest
 
 from cellctl.errors import HearingError
 from cellctl.listening.ears.detectors import MicroWakeWordDetector, SileroDetector
-from cellctl.listening.ears.events import Heard, NoSpeech, Segment, WakeWordHeard
+from cellctl.listening.ears.events import Draft, Heard, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.pipeline import NO_SPEECH_S, REQUEST_LONGEST_S, Pipeline
 from cellctl.listening.ears.words import overheard_command
 from cellctl.listening.recogniser import Recogniser
@@ -114,7 +114,8 @@ def test_what_follows_the_wake_word_is_a_request(
 ) -> None:
     pipeline = Pipeline(SileroDetector(), MicroWakeWordDetector("hey_mycroft"))
     sound = (say("hey mycroft"), quiet(pause_s), say("I want a simple stool"), quiet(1.5))
-    woken, segment = heard(pipeline, quiet(1.0), *sound)
+    woken, *drafts, segment = heard(pipeline, quiet(1.0), *sound)
+    assert all(isinstance(each, Draft) for each in drafts)
     assert isinstance(woken, WakeWordHeard)
     assert isinstance(segment, Segment)
     assert segment.after == "wake_word"

@@ -19,6 +19,8 @@ from cellctl.listening.ears.events import (
     Listen,
     Mute,
     Order,
+    OwnVoiceBegan,
+    OwnVoiceEnded,
     ToEars,
 )
 from cellctl.listening.ears.pipeline import Pipeline
@@ -78,6 +80,10 @@ def _obey(order: Order, supervisor: Supervisor, pipeline: Pipeline) -> None:
             pipeline.listen()
         case Mute():
             supervisor.mute(order.muted)
+        case OwnVoiceBegan():
+            supervisor.own_voice_began(order)
+        case OwnVoiceEnded():
+            supervisor.own_voice_ended(order.at_s)
 
 
 if __name__ == "__main__":

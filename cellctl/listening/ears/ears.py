@@ -18,6 +18,8 @@ from cellctl.listening.ears.events import (
     FromEars,
     Listen,
     Mute,
+    OwnVoiceBegan,
+    OwnVoiceEnded,
     Segment,
 )
 from cellctl.sound.process import SoundProcess
@@ -65,6 +67,14 @@ class Ears:
         """Close the microphone until further notice, or open it again."""
         self._muted = muted
         self._process.send(Mute(muted=muted))
+
+    def own_voice_began(self, at_s: float, levels: tuple[float, ...], *, wakes: bool) -> None:
+        """The cell itself begins to speak: see ``OwnVoiceBegan``."""
+        self._process.send(OwnVoiceBegan(at_s=at_s, levels=levels, wakes=wakes))
+
+    def own_voice_ended(self, at_s: float) -> None:
+        """It is silent again."""
+        self._process.send(OwnVoiceEnded(at_s=at_s))
 
     async def next_event(self) -> EarsEvent:
         """Wait for the next event."""

@@ -20,6 +20,9 @@ SpokenAfter = Literal["", "wake_word", "push_to_talk", "open"]
 Expecting = Literal["request", "command"]
 """What may be said: a whole sentence, or nothing but yes, no, stop and the like."""
 
+OWN_VOICE_STEP_S = 0.032
+"""Of the levels in ``OwnVoiceBegan``."""
+
 
 class Condition(Value):
     """How the ears are, from now on."""
@@ -55,6 +58,8 @@ class Segment(Value):
     kind: Literal["segment"] = "segment"
     pcm: bytes
     after: SpokenAfter
+    mark: int = 0
+    """Tells whether anything was said since: see ``Draft``."""
     speech_end_s: float
     """When the last speech in it ended: seconds of sound in the pipeline's own events, this
     machine's monotonic clock in those of ``Ears``."""
@@ -65,7 +70,20 @@ class Segment(Value):
         return np.frombuffer(self.pcm, dtype=np.int16)
 
 
-Heard = WakeWordHeard | NoSpeech | Segment
+class Draft(Value):
+    """A request that may be complete: unless its speaker goes on, a ``Segment`` with the same
+    ``mark`` follows."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", ser_json_bytes="base64", val_json_bytes="base64"
+    )
+
+    kind: Literal["draft"] = "draft"
+    pcm: bytes
+    mark: int
+
+
+Heard = WakeWordHeard | NoSpeech | Draft | Segment
 """What comes out of the pipeline."""
 EarsEvent = Condition | Heard
 """What the daemon gets."""
@@ -92,6 +110,25 @@ class Mute(Value):
     muted: bool
 
 
-Order = Expect | Listen | Mute
+class OwnVoiceBegan(Value):
+    """The cell itself is heard from now on."""
+
+    kind: Literal["own_voice_began"] = "own_voice_began"
+    at_s: float
+    """When its first sound leaves the loudspeaker, by this machine's monotonic clock."""
+    levels: tuple[float, ...]
+    """Root mean square of each ``OWN_VOICE_STEP_S``, of full scale 32768."""
+    wakes: bool
+    """It says the wake word itself."""
+
+
+class OwnVoiceEnded(Value):
+    """The cell itself is not heard any more."""
+
+    kind: Literal["own_voice_ended"] = "own_voice_ended"
+    at_s: float
+
+
+Order = Expect | Listen | Mute | OwnVoiceBegan | OwnVoiceEnded
 """What the daemon tells the ears."""
 ToEars: TypeAdapter[Order] = TypeAdapter(Annotated[Order, Field(discriminator="kind")])

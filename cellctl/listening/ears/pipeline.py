@@ -18,6 +18,8 @@ from cellctl.listening.ears.detectors import (
     WakeWordDetector,
 )
 from cellctl.listening.ears.events import (
+    OWN_VOICE_STEP_S,
+    Draft,
     Expecting,
     Heard,
     NoSpeech,
@@ -25,6 +27,7 @@ from cellctl.listening.ears.events import (
     SpokenAfter,
     WakeWordHeard,
 )
+from cellctl.listening.ears.own_voice import OwnVoice
 from cellctl.listening.recogniser import SAMPLE_RATE_HZ
 
 CHUNK_S = CHUNK_SAMPLES / SAMPLE_RATE_HZ
@@ -46,6 +49,9 @@ OWN_LEVEL = 0.25
 somebody else's, and what came before it rose from there too. 10 dB."""
 REQUEST_SILENCE_S = 0.6
 """Silence that ends a request: people stop to think."""
+DRAFT_SILENCE_S = 0.3
+"""Silence after which a request may be complete: to recognise it begins then, and whoever does not
+go on has not waited for it."""
 COMMAND_SILENCE_S = 0.25
 """Silence that ends what can only be a command: the arm may be moving."""
 SHORTEST_SPEECH_S = 0.1
@@ -58,6 +64,9 @@ REQUEST_LONGEST_S = 12.0
 """A request is cut off here, counted from the wake word or the button."""
 NO_SPEECH_S = 6.0
 """How long the ears wait for a request to begin."""
+DUCKED = 0.1
+"""What is left of the cell's own voice in what people say at the same time: 20 dB less."""
+_DRAFT_CHUNKS = round(DRAFT_SILENCE_S / CHUNK_S)
 WAKE_WORD_PAUSE_S = 1.5
 """One spoken wake word is noticed once."""
 
@@ -94,6 +103,10 @@ class Pipeline:
         self._loudest = 0.0
         self._speech_s = 0.0
         self._speech_end_s = 0.0
+        self._mark = 0
+        self.own_voice = OwnVoice(CHUNK_S, OWN_VOICE_STEP_S)
+        """What is expected to be heard of the cell itself, by ``now_s``."""
+        self._wakes_itself = False
 
     @property
     def recording(self) -> SpokenAfter:
@@ -146,6 +159,8 @@ class Pipeline:
         talking = bool(self._spoken)
         probability = self._speech.probability(chunk)
         near = self._is_near(chunk) and self._is_own()
+        if self._is_echo():
+            near, chunk = False, _ducked(chunk)
         if near and probability >= (SPEECH_ENDS if talking else SPEECH_BEGINS):
             if talking and self._loudest < OWN_LEVEL * self._levels[-1] and not self._whole:
                 self._drop()  # what was heard so far was further off
@@ -154,6 +169,7 @@ class Pipeline:
                 self._spoken.extend(self._before)
             self._loudest = max(self._loudest, self._levels[-1])
             self._speech_s += CHUNK_S
+            self._mark += 1
             self._speech_end_s = self._now_s
             talking = True
         if not talking:
@@ -163,10 +179,32 @@ class Pipeline:
                 yield NoSpeech()
             return
         self._spoken.append(chunk)
+        if self._whole and self._silent_chunks == _DRAFT_CHUNKS and self._is_long_enough:
+            yield Draft(pcm=b"".join(self._spoken), mark=self._mark)
         if self._complete():
             segment = self._cut()
             if segment is not None:
                 yield segment
+
+    def own_voice_began(self, at_s: float, levels: tuple[float, ...], wakes: bool) -> None:
+        """The cell itself is heard from a moment of ``now_s`` on; see ``OwnVoiceBegan``."""
+        self.own_voice.began(at_s, levels)
+        self._wakes_itself = wakes
+
+    def _is_echo(self) -> bool:
+        """Whether the newest sound may be the cell's own voice."""
+        return self.own_voice.covers(self._now_s, self._levels[-1])
+
+    @property
+    def _silent_chunks(self) -> int:
+        """How many chunks ago the newest speech was."""
+        return round((self._now_s - self._speech_end_s) / CHUNK_S)
+
+    @property
+    def _is_long_enough(self) -> bool:
+        woken = self._after == "wake_word"
+        least_s = SHORTEST_AFTER_WAKE_WORD_S if woken else SHORTEST_SPEECH_S
+        return self._speech_s >= least_s
 
     def _is_near(self, chunk: bytes) -> bool:
         """Whether this is louder than what goes on in the background all the time."""
@@ -193,6 +231,8 @@ class Pipeline:
             return False
         if self._now_s - self._woken_s < WAKE_WORD_PAUSE_S:
             return False
+        if self._wakes_itself and self.own_voice.spoke(self._now_s):
+            return False
         self._woken_s = self._now_s
         return True
 
@@ -214,17 +254,22 @@ class Pipeline:
 
     def _cut(self) -> Segment | None:
         """End the utterance; None when it was too short to be one."""
-        pcm, speech_s = b"".join(self._spoken), self._speech_s
+        pcm, long_enough = b"".join(self._spoken), self._is_long_enough
         self._drop()
-        woken = self._after == "wake_word"
-        if speech_s < (SHORTEST_AFTER_WAKE_WORD_S if woken else SHORTEST_SPEECH_S):
+        if not long_enough:
             return None
         after, self._after = self._after, ""
         if not after and self.open_to_all and self.expecting == "request":
             after = "open"
-        return Segment(pcm=pcm, after=after, speech_end_s=self._speech_end_s)
+        return Segment(pcm=pcm, after=after, mark=self._mark, speech_end_s=self._speech_end_s)
 
     def _drop(self) -> None:
         self._before.extend(self._spoken)
         self._spoken.clear()
         self._speech_s = self._loudest = 0.0
+
+
+def _ducked(chunk: bytes) -> bytes:
+    """The same sound, much fainter: what a recogniser gets of the cell's own voice."""
+    samples = np.frombuffer(chunk, dtype=np.int16)
+    return (samples * DUCKED).astype(np.int16).tobytes()

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 
 from cellctl.errors import HearingError
-from cellctl.listening.ears.events import Condition, EarsEvent, Segment
+from cellctl.listening.ears.events import Condition, EarsEvent, OwnVoiceBegan, Segment
 from cellctl.listening.ears.microphone import Microphone
 from cellctl.listening.ears.pipeline import Pipeline
 from cellctl.messages import EarsCondition
@@ -34,6 +34,8 @@ REOPEN_SILENT_S = 10.0
 HELD_UP_S = 1.0
 """A step that comes so late (wall time) has lost sound: the libraries below keep little, and do not
 say what they threw away."""
+_DRIFT_S = 0.0005
+"""What the two clocks may drift apart in one piece of sound."""
 SLOW_SHOWN_S = 2.0
 """How long it is told that sound was lost."""
 
@@ -61,6 +63,8 @@ class Supervisor:
         self._slow_until_s = 0.0
         self._lost_before_s = 0.0
         self._stepped_s = 0.0
+        self._lag_s: float | None = None
+        """How much later than the pipeline's this machine's clock is."""
 
     def mute(self, muted: bool) -> None:
         """Close the microphone, or let it be opened again."""
@@ -81,6 +85,14 @@ class Supervisor:
         else:
             self._listen(microphone)
         self._tell_condition()
+
+    def own_voice_began(self, began: OwnVoiceBegan) -> None:
+        """The cell itself begins to speak."""
+        self._pipeline.own_voice_began(self._heard_at_s(began.at_s), began.levels, began.wakes)
+
+    def own_voice_ended(self, at_s: float) -> None:
+        """It is silent again."""
+        self._pipeline.own_voice.ended(self._heard_at_s(at_s))
 
     def close(self) -> None:
         """Let go of the microphone."""
@@ -111,6 +123,7 @@ class Supervisor:
             self._lost_before_s = microphone.lost_s
             self._slow_until_s = now_s + SLOW_SHOWN_S
             self._pipeline.forget()
+            self._lag_s = None
             return
         source = self._source()
         limit_s = SILENCE_S if microphone.heard_s is not None else FIRST_SOUND_S
@@ -128,7 +141,15 @@ class Supervisor:
                 self._back_off.worked()
             self._feed(sound)
 
+    def _heard_at_s(self, at_s: float) -> float:
+        """The pipeline's time at a moment of this machine's monotonic clock."""
+        lag_s = self._lag_s if self._lag_s is not None else time.monotonic() - self._pipeline.now_s
+        return at_s - lag_s
+
     def _feed(self, sound: bytes) -> None:
+        # Sound comes late or in time, never early; the two clocks drift apart slowly.
+        lag_s = time.monotonic() - self._pipeline.now_s
+        self._lag_s = lag_s if self._lag_s is None else min(lag_s, self._lag_s + _DRIFT_S)
         for event in self._pipeline.feed(sound):
             if isinstance(event, Segment):
                 # The pipeline counts sound; the daemon wants to know when that was.
@@ -163,6 +184,7 @@ class Supervisor:
         microphone, self._microphone = self._microphone, None
         if microphone is not None:
             self._pipeline.forget()
+            self._lag_s = None
             microphone.close()
 
     def _tell_condition(self) -> None:
