@@ -309,6 +309,9 @@ class BuildPlan(Value):
     """Where it comes nearest to giving way; none where no step asks anything of a joint."""
     closeness: Closeness | None = None
     """How near it is to what was asked for; none where nothing had to be sought."""
+    wanted: tuple[Cell, ...] = ()
+    """Cells of the shape as it was asked for, where they lie over the assembly best; empty where
+    none was changed. Some may be outside the workspace."""
 
     @property
     def parts(self) -> int:

@@ -94,7 +94,7 @@ def _closed_off(cell: Cell, normal: Points, occupied: frozenset[Cell]) -> bool:
 
 
 @cache
-def _shadow_outline() -> Points:
+def shadow_outline() -> Points:
     """The shade of a part about the origin on a floor through it: an octagon (8, 3)."""
     corners = {
         tuple(np.round(corner - LIGHT * corner[2] / LIGHT[2], 6))
@@ -206,7 +206,7 @@ class Scene:
         outlines = []
         for cell in parts:
             middle = np.array(cell) + 0.5
-            outline = _shadow_outline() + (middle - LIGHT * middle[2] / LIGHT[2])
+            outline = shadow_outline() + (middle - LIGHT * middle[2] / LIGHT[2])
             outline[:, 0] = np.clip(outline[:, 0], 0, nx)
             outline[:, 1] = np.clip(outline[:, 1], 0, ny)
             outlines.append(self.camera.project(outline))

@@ -13,13 +13,12 @@ from fastapi import Request, Response
 from nicegui import app, ui
 
 from cellctl.config import CellConfig
-from cellctl.errors import CellctlError
 from cellctl.kiosk.bus_link import BusLink
 from cellctl.kiosk.operator.page import operator_page
 from cellctl.kiosk.shell import LOOK, Site, shell
 from cellctl.kiosk.take_home import JobFiles
+from cellctl.kiosk.take_page import add_files, take_page
 from cellctl.kiosk.visitor.page import visitor_page
-from cellctl.messages import FileKind
 
 log = structlog.get_logger(__name__)
 
@@ -43,7 +42,9 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
         key: the page's key file, for a bus that is locked.
     """
     site = Site(config, BusLink(config, key))
+    files = JobFiles(site.link)
     stack = AsyncExitStack()
+    site.mirror.watch(files.built)
 
     async def begin() -> None:
         await stack.enter_async_context(site.link.following())
@@ -53,8 +54,8 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     app.on_shutdown(stack.aclose)
     app.middleware("http")(_guarded)
     app.add_static_files("/look", LOOK)
-    _add_pages(site)
-    _add_files(site)
+    _add_pages(site, files)
+    add_files(files, config)
     ui.run(
         host=config.kiosk.address,
         port=config.kiosk.port,
@@ -72,39 +73,16 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     )
 
 
-def _add_files(site: Site) -> None:
-    files = JobFiles(site.link)
-
-    @app.get("/job/{job_id}/mesh.glb")
-    async def mesh(job_id: str) -> Response:
-        return await _file(files, job_id, "mesh")
-
-    @app.get("/job/{job_id}/object.glb")
-    async def steps(job_id: str) -> Response:
-        return await _file(files, job_id, "steps")
-
-
-async def _file(files: JobFiles, job_id: str, kind: FileKind) -> Response:
-    """A file of a job, under the name that it is saved by."""
-    try:
-        found = await files.get(job_id, kind)
-    except CellctlError as error:
-        return Response(str(error), status_code=404, media_type="text/plain")
-    return Response(
-        found.content,
-        media_type=found.data.media_type,
-        headers={
-            "Content-Disposition": f'inline; filename="{found.data.name}"',
-            "Cache-Control": "private, max-age=3600",
-        },
-    )
-
-
-def _add_pages(site: Site) -> None:
+def _add_pages(site: Site, files: JobFiles) -> None:
     @ui.page("/")
     def visitor(lang: str = "") -> None:
         with shell(site, lang, "page.title", role="visitor") as page:
             visitor_page(page)
+
+    @ui.page("/take/{job_id}")
+    async def take(job_id: str, lang: str = "") -> None:
+        with shell(site, lang, "take.title", role="take") as page:
+            await take_page(page, files, job_id)
 
     @ui.page("/operator")
     def operator(lang: str = "") -> None:

@@ -1,4 +1,8 @@
-"""Files of jobs that the page hands out: the shape, the plan as a 3D file, and pictures."""
+"""Files of jobs that the page hands out: the shape, the plan as a 3D file, and pictures.
+
+The visitor's door gives away the files of the last job only. Those of an object that was built are
+fetched when it is finished, so that a phone finds them after the next wish has begun.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,18 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Final
 
-from cellctl.assembly import Role
+import structlog
+
+from cellctl.assembly import BuildPlan, Role
+from cellctl.config import CellConfig
+from cellctl.drawing.svg import assembly_svg
+from cellctl.errors import CellctlError
 from cellctl.kiosk.bus_link import BusLink
 from cellctl.messages import FileData, FileKind
 
+log = structlog.get_logger(__name__)
+
+_TAKEN_HOME: Final[tuple[FileKind, ...]] = ("plan", "steps")
 _KEPT: Final = 40
 """Files that are kept, so that a visitor's phone finds them after the next wish has begun."""
 _KEPT_BYTES: Final = 100_000_000
@@ -33,6 +45,9 @@ class JobFiles:
 
     def __init__(self, link: BusLink) -> None:
         self._link = link
+        self._fetched = ""
+        """The job whose files were fetched last when it was finished."""
+        self._fetching: asyncio.Task[None] | None = None
         self._files: OrderedDict[tuple[str, FileKind], JobFile] = OrderedDict()
         self._asking = asyncio.Lock()
 
@@ -52,6 +67,29 @@ class JobFiles:
             self._forget()
             return found
 
+    async def plan(self, job_id: str) -> BuildPlan:
+        """The plan of a job.
+
+        Raises:
+            CellctlError: as of ``get``.
+        """
+        return BuildPlan.model_validate_json((await self.get(job_id, "plan")).content)
+
+    def built(self) -> None:
+        """Fetch the files of a job that has just ended well; to be called after every change."""
+        snapshot = self._link.mirror.snapshot
+        job = snapshot.job if snapshot is not None else None
+        if job is not None and job.outcome == "built" and job.job_id != self._fetched:
+            self._fetched = job.job_id
+            self._fetching = asyncio.create_task(self._fetch(job.job_id), name="take home")
+
+    async def _fetch(self, job_id: str) -> None:
+        for kind in _TAKEN_HOME:
+            try:
+                await self.get(job_id, kind)
+            except CellctlError as error:
+                log.warning("a file cannot be fetched", job=job_id, kind=kind, reason=str(error))
+
     def _forget(self) -> None:
         """Let go of the oldest while there is too much."""
         while len(self._files) > 1 and (
@@ -59,3 +97,16 @@ class JobFiles:
             or sum(len(file.content) for file in self._files.values()) > _KEPT_BYTES
         ):
             self._files.popitem(last=False)
+
+
+def picture_svg(plan: BuildPlan, config: CellConfig) -> str:
+    """A picture of the object of a plan, with its name and how many parts it has."""
+    title = plan.title[:1].upper() + plan.title[1:]
+    edges = " x ".join(f"{round(edge * plan.pitch_m * 100)}" for edge in plan.assembly.size)
+    caption = f"{len(plan.assembly.cells)} parts, {edges} cm, {config.cell.name}"
+    return assembly_svg(plan.assembly.cells, config.grid, title=title, caption=caption)
+
+
+def take_home_path(job_id: str) -> str:
+    """Where the page of what to take home is."""
+    return f"/take/{job_id}"

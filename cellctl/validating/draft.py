@@ -55,6 +55,8 @@ class Draft:
     changes: tuple[Change, ...] = ()
     questions: tuple[str, ...] = ()
     closeness: Closeness | None = None
+    wanted: Cells = frozenset()
+    """Cells of the shape where some were changed; see ``BuildPlan``."""
 
     @property
     def cells(self) -> Cells:
@@ -90,7 +92,8 @@ class Draft:
             for verdict in self.verdicts
         )
         order = tuple(there(cell) for cell in self.order)
-        return replace(self, order=order, verdicts=verdicts)
+        wanted = frozenset(there(cell) for cell in self.wanted)
+        return replace(self, order=order, verdicts=verdicts, wanted=wanted)
 
 
 def draft(cells: Cells, physics: Physics, gripper: Gripper, parts: int) -> Draft:

@@ -23,6 +23,7 @@ from cellctl.validating.discretise import discretise
 from cellctl.validating.draft import Draft, draft, paper_draft, paper_redraft, redraft
 from cellctl.validating.files import read_json_plan, read_mesh
 from cellctl.validating.fit import Shape, fit, size_changes, size_questions
+from cellctl.validating.marking import laid_over
 from cellctl.validating.paper.policy import plan_paper, plan_paper_cells, process
 from cellctl.validating.repairing import repair_shape
 from cellctl.validating.rules import Cells, size_of
@@ -173,6 +174,7 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
     )
     asked = (*plan.questions, *(q for q in found.questions if q not in plan.questions))
     found = replace(found, changes=plan.changes, questions=asked, closeness=plan.closeness)
+    found = replace(found, wanted=frozenset(plan.wanted))
     return _verified(site_here(found, config, plan.title, plan.provenance), config, parts)
 
 
@@ -249,6 +251,7 @@ def plan_changing_over(
             "changes": (*plan.changes, *changed.changes),
             "questions": plan.questions,
             "closeness": plan.closeness,
+            "wanted": plan.wanted,
         }
     )
     spare = config.limits.inventory_parts - len(standing)
@@ -302,8 +305,9 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
     if config.planning.policy == "paper":
         return paper_draft(plan_paper(shape, config.limits, parts), physics)
     gripper = Gripper.of(config)
+    wanted = discretise(shape)
     repaired = repair_shape(
-        discretise(shape),
+        wanted,
         physics,
         gripper,
         parts=parts,
@@ -320,7 +324,12 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
         bound=min(1.0, repaired.bound),
         proven=repaired.proven,
     )
-    return replace(found, changes=repaired.changes, closeness=closeness)
+    return replace(
+        found,
+        changes=repaired.changes,
+        closeness=closeness,
+        wanted=laid_over(wanted, found.cells),
+    )
 
 
 def _drafted_cells(cells: Cells, config: CellConfig, parts: int) -> Draft:

@@ -70,6 +70,7 @@ def site_here(
         provenance=provenance,
         weakest=draft.weakest,
         closeness=draft.closeness,
+        wanted=tuple(sorted(draft.wanted)),
     )
 
 

@@ -47,5 +47,28 @@ window.cellctl = (() => {
     setTimeout(() => line.remove(), NOTICE_S * 1000);
   };
 
-  return { theme, notice, light };
+  // Saves the picture that a link leads to as a PNG, which every phone can show; else as it is.
+  const save = async (link) => {
+    const image = new Image();
+    image.src = link.href;
+    try {
+      await image.decode();
+    } catch {
+      window.open(link.href);
+      return;
+    }
+    const canvas = document.createElement("canvas");
+    canvas.width = image.naturalWidth;
+    canvas.height = image.naturalHeight;
+    canvas.getContext("2d").drawImage(image, 0, 0);
+    canvas.toBlob((blob) => {
+      const saved = document.createElement("a");
+      saved.href = URL.createObjectURL(blob);
+      saved.download = link.getAttribute("download").replace(/svg$/, "png");
+      saved.click();
+      setTimeout(() => URL.revokeObjectURL(saved.href), 10000);
+    }, "image/png");
+  };
+
+  return { save, theme, notice, light };
 })();

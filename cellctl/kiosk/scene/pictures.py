@@ -72,5 +72,12 @@ def table_picture(snapshot: Snapshot, mesh: str) -> Picture:
         mesh: address of the shape's GLB; empty for none.
     """
     assert snapshot.plan is not None
-    cells = frozenset(snapshot.plan.assembly.cells)
-    return Picture("table", kept=tuple(sorted(cells)), mesh=mesh)
+    cells, wanted = frozenset(snapshot.plan.assembly.cells), frozenset(snapshot.plan.wanted)
+    added = cells - wanted if wanted else frozenset()
+    return Picture(
+        "table",
+        kept=tuple(sorted(cells - added)),
+        added=tuple(sorted(added)),
+        left_out=tuple(sorted(wanted - cells)),
+        mesh=mesh,
+    )

@@ -32,7 +32,7 @@ _BUTTONS: Final[dict[Offer, tuple[Kind, str]]] = {
 _COMMANDS: Final[dict[Offer, Command]] = {
     "yes": ConfirmCommand(answer=True),
     "no": ConfirmCommand(answer=False),
-    "another": SayCommand(text="show me another one"),
+    "another": PlainCommand(command="another"),
     "talk": ListenCommand(),
     "hand_over": PlainCommand(command="hand_over"),
     "take_apart": PlainCommand(command="take_apart"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cellctl.kiosk.components import Text, attribute, box, icon, shown
 from cellctl.kiosk.shell import Page, duration
 from cellctl.kiosk.visitor.actions import Actions
-from cellctl.kiosk.visitor.panels import Changes, Countdown, Progress, Queue, Said
+from cellctl.kiosk.visitor.panels import Changes, Countdown, Progress, Queue, Said, TakeHome
 from cellctl.kiosk.visitor.stage import Stage
 from cellctl.kiosk.visitor.telling import Telling, telling
 
@@ -33,8 +33,13 @@ class _Visit:
                 self._said = Said(page)
                 self._progress = Progress(page)
                 self._changes = Changes(page)
+                self._home = TakeHome(page)
                 self._queue = Queue(page)
             self._actions = Actions(page)
+        self._panels = (
+            *(self._countdown, self._said, self._progress),
+            *(self._changes, self._home, self._queue),
+        )
 
     def show(self) -> None:
         """Show the cell as it is known now."""
@@ -49,7 +54,7 @@ class _Visit:
         attribute(self._sentence, "lang", words.language if never else now.language)
         age = duration(words, mirror.age_s) if mirror.stale and not never else ""
         self._stale.show(words.say("page.stale_sentence", age=age) if age else "")
-        for part in (self._countdown, self._said, self._progress, self._changes, self._queue):
+        for part in self._panels:
             part.show(now)
         self._ears.show(now)
         self._actions.show(now)

@@ -6,6 +6,8 @@ from datetime import UTC, datetime
 
 from cellctl.kiosk.components import Text, attribute, box, shown
 from cellctl.kiosk.shell import Page, duration
+from cellctl.kiosk.take_home import take_home_path
+from cellctl.kiosk.take_page import code_image
 from cellctl.kiosk.visitor.telling import Telling
 
 
@@ -138,3 +140,32 @@ class Queue:
                     name = entry.name or f"#{entry.ticket}"
                     asked = words.say("visit.yours", name=name) if entry.asked else name
                     Text("span", asked, "small")
+
+
+class TakeHome:
+    """The code that leads a phone to the picture and the 3D file of what was built."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        words = page.words
+        with box("div", "home card") as self._whole:
+            self._code = box("img", "home__code", alt="")
+            with box("div", "home__words"):
+                Text("h2", words.say("visit.take_home"), "title")
+                self._how = Text("p", words.say("visit.take_home_how"), "small")
+                self._link = Text("a", words.say("take.open"), "home__link")
+        self._job_id = ""
+
+    def show(self, now: Telling) -> None:
+        """Show the code of the job that has ended well."""
+        wanted = now.phase == "done" and bool(now.job_id)
+        shown(self._whole, wanted)
+        if not wanted or now.job_id == self._job_id:
+            return
+        self._job_id = now.job_id
+        path, home = take_home_path(now.job_id), self._page.site.config.kiosk.home
+        attribute(self._link, "href", f"{path}?lang={self._page.words.language}")
+        for element in (self._code, self._how):
+            shown(element, bool(home))
+        if home:
+            attribute(self._code, "src", code_image(f"{home}{path}"))
