@@ -137,8 +137,15 @@ class LiveEars:
     async def _follow(self, ears: Ears) -> None:
         """Keep the ears told what may be said: a command ends after less silence."""
         while True:
-            ears.expect("request" if self._state() in _REQUEST_STATES else "command")
+            ears.expect("request" if self._may_be_a_request() else "command")
             await asyncio.sleep(_FOLLOW_EVERY_S)
+
+    def _may_be_a_request(self) -> bool:
+        """Whether a whole sentence may be said now. Where nothing has to come before it, that is
+        also so while the cell asks: for a change."""
+        state = self._state()
+        open_to_all = self._settings.activation == "open"
+        return state in _REQUEST_STATES or (open_to_all and state in _ASKING_STATES)
 
     async def _events(self, ears: Ears) -> None:
         while True:

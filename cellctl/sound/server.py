@@ -71,7 +71,13 @@ def sources() -> list[Source]:
 
 def sinks() -> list[Sink]:
     """Every loudspeaker that there is; none without a sound server."""
-    return [_sink(sink) for sink in _listed("sinks")]
+    return sinks_if_told() or []
+
+
+def sinks_if_told() -> list[Sink] | None:
+    """The same; None where the server takes too long to tell."""
+    listed = _asked("sinks")
+    return [_sink(sink) for sink in listed] if listed is not None else None
 
 
 class ServerWatch(Generic[T]):
@@ -129,6 +135,11 @@ def _sink(listed: dict[str, Any]) -> Sink:
 
 
 def _listed(what: str) -> list[dict[str, Any]]:
+    return _asked(what) or []
+
+
+def _asked(what: str) -> list[dict[str, Any]] | None:
+    """What there is of one kind; none where no server answers, None where it takes too long."""
     program = shutil.which("pactl")
     if program is None:
         return []
@@ -143,6 +154,8 @@ def _listed(what: str) -> list[dict[str, Any]]:
             check=True,
         )
         listed: list[dict[str, Any]] = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        return None
     except (subprocess.SubprocessError, OSError, ValueError):
         return []
     return listed

@@ -263,5 +263,8 @@ class _Served:
     """The one that this process plays on; None when nobody can tell."""
 
 
-def _look() -> _Served:
-    return _Served(frozenset(sink.name for sink in server.sinks()), server.played_sink())
+def _look() -> _Served | None:
+    sinks = server.sinks_if_told()
+    if sinks is None:
+        return None
+    return _Served(frozenset(sink.name for sink in sinks), server.played_sink())

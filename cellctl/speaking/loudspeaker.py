@@ -102,9 +102,9 @@ class Loudspeaker:
 
     def hush(self) -> None:
         """Be quiet at once."""
+        self._ends_s = 0.0
         self._stream.abort(ignore_errors=True)
         self._running.clear()
-        self._ends_s = 0.0
 
     def close(self) -> None:
         """Let go of it at once."""

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 
 from cellctl.errors import RefusedError
-from cellctl.listening.wav import read_wav
 from cellctl.messages import ListenCommand, MuteCommand, SpeechData
 from cellctl.sim.microphone import VirtualMicrophone
-from cellctl.speaking.voices import speak_to_wav
 from tests.cell.harness import RunningCell, bar, running_cell
+from tests.cell.spoken import hearing, people, wait_for_ears
 
 pytestmark = pytest.mark.wire
 
 STOP_WITHIN_S = 1.5
 ATTEMPTS = 3
+
 Speak = Callable[[str], float]
 
 
@@ -37,37 +32,11 @@ def spoken_to(
         The cell, its microphone, and a function that says something and returns the monotonic time
         of its last sound.
     """
-    folder = Path(tempfile.mkdtemp(prefix="vmic-"))
-    server, voice = folder / "server", folder / "voice"
-    server.mkdir(mode=0o700)
-    voice.mkdir()
-    sections: dict[str, Any] = {
-        # Cell time, which passes quickly here.
-        "policy": {"confirmation": "ask", "confirmation_timeout_s": 60.0 * speed},
-        # The packaged voice is understood by this one.
-        "hearing": {"microphone": "", "activation": activation, "wake_word": "hey_mycroft"},
-    }
-    try:
-        with VirtualMicrophone(server) as microphone, pytest.MonkeyPatch.context() as patch:
-
-            def speak(text: str) -> float:
-                path = voice / f"{text.replace(' ', '_')}.wav"
-                if not path.exists():
-                    speak_to_wav(text, path)
-                samples = read_wav(path, 30.0).astype(np.int32)
-                last_s = float(np.flatnonzero(np.abs(samples) > 300)[-1]) / 16_000
-                return microphone.speak(path) + last_s
-
-            for text in ("hey mycroft", "stop", "yes", "no", "the letter T"):
-                speak(text)  # made beforehand: nobody listens yet
-            for name, value in microphone.environment.items():
-                patch.setenv(name, value)
-            with running_cell(speed=speed, **sections) as cell:
-                cell.wait("ears", lambda now: now.ears.state in {"waiting", "listening"})
-                cell.wait("a recogniser", lambda now: "not loaded" not in now.recogniser)
-                yield cell, microphone, speak
-    finally:
-        shutil.rmtree(folder)
+    with people() as there:
+        there.prepare("hey mycroft", "stop", "yes", "no", "the letter T")
+        with running_cell(speed=speed, **hearing(activation, speed)) as cell:
+            wait_for_ears(cell)
+            yield cell, there.microphone, there.say
 
 
 def heard(cell: RunningCell) -> list[str]:
