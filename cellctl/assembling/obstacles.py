@@ -8,7 +8,7 @@ frame in which it is a plain box, and the line is tested there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +25,8 @@ Flags = npt.NDArray[np.bool_]
 TOUCH_M = 0.002
 """Boxes that overlap by less than this only touch: parts lie face to face."""
 
+_ALIGNED = 1e-9
+"""Frames whose axes differ by less are aligned: a micrometre over a kilometre."""
 _FAR_M = 3.0
 """Beyond the arm's reach in any direction."""
 _COLUMN_M = (0.24, 0.24, 0.30)
@@ -43,6 +45,18 @@ class Body:
 
     low: Vector
     high: Vector
+
+    @cached_property
+    def middle(self) -> Floats:
+        """Its centre in the TCP frame."""
+        middle: Floats = (np.array(self.low) + np.array(self.high)) / 2.0
+        return middle
+
+    @cached_property
+    def half(self) -> Floats:
+        """Its half edges."""
+        half: Floats = (np.array(self.high) - np.array(self.low)) / 2.0
+        return half
 
     @cached_property
     def corners(self) -> Floats:
@@ -72,7 +86,9 @@ class Obstacles:
         points: Floats,
         rotations: Floats,
         margins_m: Floats,
+        *,
         touch_m: float = TOUCH_M,
+        sink_m: float = 0.0,
     ) -> Flags:
         """Which boxes the body touches on each straight way from one point to the next.
 
@@ -81,14 +97,18 @@ class Obstacles:
             points: n x 3 positions of the TCP in the base frame.
             rotations: n x 3 x 3, the TCP's orientation there; it turns little from one to the next.
             margins_m: n - 1 distances to keep; with 0, what overlaps by ``touch_m`` only touches.
+            touch_m: see there.
+            sink_m: and by so much more where the body is above a box.
 
         Returns:
             (n - 1) x boxes.
         """
         low, high = self._extents(body, rotations)
-        keep = np.where(margins_m > touch_m, margins_m, margins_m - touch_m)[:, None, None]
+        face_to_face = margins_m <= touch_m
+        keep = np.where(face_to_face, margins_m - touch_m, margins_m)[:, None, None]
         grown_low = self.low - np.maximum(high[:-1], high[1:])[:, None, :] - keep
         grown_high = self.high - np.minimum(low[:-1], low[1:])[:, None, :] + keep
+        grown_high[:, :, 2] -= np.where(face_to_face, sink_m, 0.0)[:, None]
         frame = self.frame_from_base
         origins = points @ frame[:3, :3].T + frame[:3, 3]
         ways = np.diff(origins, axis=0)[:, None, :]
@@ -119,8 +139,8 @@ class Obstacles:
     def _extents(self, body: Body, rotations: Floats) -> tuple[Floats, Floats]:
         """Minimum and maximum corner of the body about the TCP along this frame's axes, n x 3."""
         turned = self.frame_from_base[:3, :3] @ rotations
-        corners = turned @ body.corners.T
-        return corners.min(axis=2), corners.max(axis=2)
+        middle, reach = turned @ body.middle, np.abs(turned) @ body.half
+        return middle - reach, middle + reach
 
     def gaps_m(self, body: Body, pose: Matrix) -> Floats:
         """How far the body is from each box, in metres; negative by how deep it is in one.
@@ -193,39 +213,42 @@ class Surroundings:
         below_belt_m = min(-pitch_m - TOUCH_M, -feeder_height_m)
         width_m, depth_m, height_m = config.pedestal.size_m
         column_x_m, column_y_m, column_z_m = _COLUMN_M
-        self._fixed = (
-            _boxes(inverse(base), {"the floor": ((-_FAR_M,) * 3, (_FAR_M, _FAR_M, 0.0))}),
-            _boxes(
-                inverse(base @ frames.cell_from_pedestal),
-                {
-                    "the pedestal": (
-                        (-width_m / 2, -depth_m / 2, -height_m),
-                        (width_m / 2, depth_m / 2, 0.0),
-                    )
-                },
-            ),
-            _boxes(
-                np.eye(4),
-                {
-                    "the arm's own foot": (
-                        (-column_x_m / 2, -column_y_m / 2, 0.0),
-                        (column_x_m / 2, column_y_m / 2, column_z_m),
-                    )
-                },
-            ),
-            _boxes(
-                feeder_from_base,
-                {
-                    "the belt": (
-                        (-_FAR_M, -half_belt_m, below_belt_m),
-                        (pitch_m / 2, half_belt_m, -pitch_m),
-                    ),
-                    "the parts that wait on the belt": (
-                        (-_FAR_M, -pitch_m / 2, -pitch_m),
-                        (-pitch_m / 2, pitch_m / 2, 0.0),
-                    ),
-                },
-            ),
+        # Boxes of one alignment are looked at together: few large questions are quicker than many.
+        self._fixed = joined(
+            (
+                _boxes(inverse(base), {"the floor": ((-_FAR_M,) * 3, (_FAR_M, _FAR_M, 0.0))}),
+                _boxes(
+                    inverse(base @ frames.cell_from_pedestal),
+                    {
+                        "the pedestal": (
+                            (-width_m / 2, -depth_m / 2, -height_m),
+                            (width_m / 2, depth_m / 2, 0.0),
+                        )
+                    },
+                ),
+                _boxes(
+                    np.eye(4),
+                    {
+                        "the arm's own foot": (
+                            (-column_x_m / 2, -column_y_m / 2, 0.0),
+                            (column_x_m / 2, column_y_m / 2, column_z_m),
+                        )
+                    },
+                ),
+                _boxes(
+                    feeder_from_base,
+                    {
+                        "the belt": (
+                            (-_FAR_M, -half_belt_m, below_belt_m),
+                            (pitch_m / 2, half_belt_m, -pitch_m),
+                        ),
+                        "the parts that wait on the belt": (
+                            (-_FAR_M, -pitch_m / 2, -pitch_m),
+                            (-pitch_m / 2, pitch_m / 2, 0.0),
+                        ),
+                    },
+                ),
+            )
         )
         self._station = _boxes(
             feeder_from_base,
@@ -247,7 +270,26 @@ class Surroundings:
             low = np.array(cells, dtype=np.float64) * self._pitch_m
             names = tuple(f"the part at [{c.x}, {c.y}, {c.z}]" for c in cells)
             groups.append(Obstacles(self._workspace_from_base, names, low, low + self._pitch_m))
-        return tuple(groups)
+        return joined(groups)
+
+
+def joined(groups: Iterable[Obstacles]) -> tuple[Obstacles, ...]:
+    """The same boxes, those of one alignment in one group."""
+    found: list[Obstacles] = []
+    for group in groups:
+        for i, other in enumerate(found):
+            shift = other.frame_from_base @ inverse(group.frame_from_base)
+            if np.abs(shift[:3, :3] - np.eye(3)).max() < _ALIGNED:
+                found[i] = Obstacles(
+                    other.frame_from_base,
+                    (*other.names, *group.names),
+                    np.concatenate([other.low, group.low + shift[:3, 3]]),
+                    np.concatenate([other.high, group.high + shift[:3, 3]]),
+                )
+                break
+        else:
+            found.append(group)
+    return tuple(found)
 
 
 def first_named(group: Obstacles, flags: Flags) -> str | None:

@@ -18,15 +18,24 @@ Floats = npt.NDArray[np.float64]
 
 def to_matrix(pose: Pose) -> Matrix:
     """4x4 matrix of a pose, by Rodrigues' formula."""
-    matrix = np.eye(4)
-    matrix[:3, 3] = pose[:3]
-    rotation = np.array(pose[3:], dtype=np.float64)
-    angle = float(np.linalg.norm(rotation))
+    px, py, pz, rx, ry, rz = pose
+    angle = math.sqrt(rx * rx + ry * ry + rz * rz)
+    # Written out, because every corner of every path that is tried comes by here.
     if angle > 0.0:
-        x, y, z = rotation / angle
-        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        matrix[:3, :3] += math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
-    return matrix
+        x, y, z = rx / angle, ry / angle, rz / angle
+    else:
+        x, y, z = 0.0, 0.0, 0.0
+    sine, versine = math.sin(angle), 1.0 - math.cos(angle)
+    vx, vy, vz = versine * x, versine * y, versine * z
+    sx, sy, sz = sine * x, sine * y, sine * z
+    return np.array(
+        [
+            [1.0 - vy * y - vz * z, vx * y - sz, vx * z + sy, px],
+            [vx * y + sz, 1.0 - vx * x - vz * z, vy * z - sx, py],
+            [vx * z - sy, vy * z + sx, 1.0 - vx * x - vy * y, pz],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
 
 
 def to_pose(matrix: Matrix) -> Pose:

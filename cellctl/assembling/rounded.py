@@ -19,6 +19,7 @@ _STRAIGHT_RAD = 1e-3
 _REVERSAL_RAD = math.pi - 1e-2
 _ARC_STEPS = 8
 """At a right angle, chords of this many steps stay within 0.5 % of the arc's radius of it."""
+_ARC_SHARES = np.linspace(0.0, 1.0, _ARC_STEPS + 1)
 _LINE_STEPS = 4
 
 
@@ -80,7 +81,7 @@ def _arc(
 ) -> Piece:
     one, other = directions
     turn = math.acos(max(-1.0, min(1.0, float(one @ other))))
-    steps = np.linspace(0.0, 1.0, _ARC_STEPS + 1)
+    steps = _ARC_SHARES
     back = leg + 1.0 - blend / lengths[leg] * (1.0 - 2.0 * steps)
     on = leg + 1.0 + blend / lengths[leg + 1] * (2.0 * steps - 1.0)
     shares = np.where(steps < 0.5, back, on)
