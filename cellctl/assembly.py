@@ -253,6 +253,8 @@ class PartOutcome(Value):
     """Share of it in which the arm stood while the latch moved."""
     route_s: float = 0.0
     """Share of it in which the arm stood because its way was not planned yet."""
+    touch_s: float = 0.0
+    """Share of it in which the arm felt for the part's seat, and whether the gripper was free."""
     predicted_s: float | None = None
     """What was told for it before."""
     retries: int = 0

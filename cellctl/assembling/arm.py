@@ -82,6 +82,15 @@ class ArmState(Value):
     digital_outputs: int
 
 
+class Switch(Value):
+    """A standard digital output that is switched when a movement is all but at its end."""
+
+    line: int
+    high: bool
+    within_m: float
+    """Of the end of the path, in a straight line."""
+
+
 class Arm(Protocol):
     """A robot arm. Every method raises ``CellFault`` with a code of the catalogue."""
 
@@ -112,8 +121,17 @@ class Arm(Protocol):
         """The newest state; None before the first one arrived. Never blocks."""
         ...
 
-    async def follow(self, path: Path, planned_duration_s: float) -> None:
-        """Move the TCP along a path and return when the arm has come to rest at its end."""
+    async def follow(
+        self, path: Path, planned_duration_s: float, switch: Switch | None = None
+    ) -> None:
+        """Move the TCP along a path and return when the arm has come to rest at its end.
+
+        Args:
+            path: where to go.
+            planned_duration_s: how long that should take.
+            switch: what is switched on the way. A movement that ends early may have switched it, or
+                not: the outputs tell.
+        """
         ...
 
     async def prepare(self, path: Path) -> None:

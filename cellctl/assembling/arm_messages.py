@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, TypeAdapter
 
-from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path, Switch
 from cellctl.assembly import Value
 from cellctl.config import Joints, Pose, RobotSection, Vector
 
@@ -44,12 +44,13 @@ class Connect(Value):
 
 
 class Follow(Value):
-    """Move the TCP along a path."""
+    """Move the TCP along a path, and switch an output just before its end."""
 
     kind: Literal["follow"] = "follow"
     number: int
     path: Path
     planned_duration_s: float
+    switch: Switch | None = None
 
 
 class Prepare(Value):

@@ -68,7 +68,8 @@ def prepare(link: Link, order: Prepare) -> Generator[None, None, None]:
 
 
 def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, None, None]:
-    """Start a path behind the gate, unless it was prepared, open the gate, and wait for the end.
+    """Start a path behind the gate, unless it was prepared, open the gate, and wait for the end;
+    switch an output just before it where that was ordered.
 
     Raises:
         CellFault: whatever keeps the arm from arriving.
@@ -86,7 +87,19 @@ def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, 
         apart_m, apart_rad = distance(sample.tcp_pose, target)
         return apart_m < within_m and apart_rad < _ARRIVED_RAD
 
-    yield from _arrive(link, arrived, order.planned_duration_s * timeout_factor)
+    arriving = _arrive(link, arrived, order.planned_duration_s * timeout_factor)
+    if order.switch is None:
+        yield from arriving
+        return
+    switching: Generator[None, None, None] | None = None
+    for _ in arriving:
+        near, _ = distance(link.sample.tcp_pose, target)
+        if switching is None and near < order.switch.within_m:
+            switching = link.set_output(order.switch.line, order.switch.high)
+        if switching is not None:
+            next(switching, None)
+        yield
+    yield from switching or link.set_output(order.switch.line, order.switch.high)
 
 
 def move_joints(

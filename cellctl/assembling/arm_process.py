@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 
 import structlog
 
-from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path
+from cellctl.assembling.arm import ArmCheck, ArmIdentity, ArmState, Path, Switch
 from cellctl.assembling.arm_check import refuse_mismatch
 from cellctl.assembling.arm_child import ArmChild, ChildLostError, StoppedError
 from cellctl.assembling.arm_messages import (
@@ -99,9 +99,18 @@ class RemoteArm:
     def state(self) -> ArmState | None:
         return self._child.state if self._child is not None else None
 
-    async def follow(self, path: Path, planned_duration_s: float) -> None:
-        if path:
-            await self._move(Follow(number=0, path=path, planned_duration_s=planned_duration_s))
+    async def follow(
+        self, path: Path, planned_duration_s: float, switch: Switch | None = None
+    ) -> None:
+        if not path:
+            return
+        if switch is not None:
+            self._ordered.pop(switch.line, None)
+        await self._move(
+            Follow(number=0, path=path, planned_duration_s=planned_duration_s, switch=switch)
+        )
+        if switch is not None:
+            self._ordered[switch.line] = switch.high
 
     async def prepare(self, path: Path) -> None:
         if path:

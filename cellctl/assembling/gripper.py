@@ -8,11 +8,24 @@ from typing import Protocol
 class Gripper(Protocol):
     """A latch that holds one voxel. It keeps its voxel on any loss of power, link or process."""
 
-    async def latch(self) -> None:
+    async def latch(self, *, prove: bool = True, begun: bool = False) -> None:
         """Close on a part and wait until the gripper confirms a completed latch.
+
+        Args:
+            prove: wait for ``proof`` as well.
+            begun: it was told to close already, when it was open and nothing was confirmed.
 
         Raises:
             CellFault: ``gripper_silent`` or ``gripper_fault``.
+        """
+        ...
+
+    async def proof(self) -> None:
+        """Wait until the last latch has been confirmed for longer than a fault could look like it;
+        at once when it has been.
+
+        Raises:
+            CellFault: ``gripper_fault`` or ``gripper_reset``: it was revoked.
         """
         ...
 

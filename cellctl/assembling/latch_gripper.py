@@ -4,7 +4,7 @@ The command line is high to unlatch and low to latch, so that a broken wire, a l
 emergency stop keep the voxel. The status line is high only while a completed latch is confirmed,
 falls as soon as the command changes, and toggles at 5 Hz to report a fault. So a latch counts only
 when the line was seen low first, rose, and then stayed high; and an opening, which no line
-confirms, is given the time that it takes.
+confirms, is given the time that it takes, unless the board's serial port tells that it is over.
 
 A board that is reset leaves its latch where it is, with the line low as if it were open, and takes
 the level of its command line for granted. Where its serial port is connected, it is asked after
@@ -26,6 +26,9 @@ _TOGGLE_PERIOD_S = 0.2
 STEADY_S = 1.1 * _TOGGLE_PERIOD_S
 """A level that holds for this long (cell time) is no toggle."""
 
+_ASK_EVERY_S = 0.02
+"""While the latch opens, its board is asked this often (cell time)."""
+
 _log = structlog.get_logger(__name__)
 
 
@@ -44,8 +47,10 @@ class LatchGripper:
         self._board = board
         self._resets_settled = 0
         """The board's resets before the last latch that it confirmed."""
+        self._confirmed_s = 0.0
+        """When that was, by the robot's clock."""
 
-    async def latch(self) -> None:
+    async def latch(self, *, prove: bool = True, begun: bool = False) -> None:
         trouble = ""
         for attempt in range(self._lines.retries + 1):
             if attempt > 0:
@@ -53,20 +58,33 @@ class LatchGripper:
             # A latch that is closed already is opened, or its closing would prove nothing; and a
             # status line that is high before it closes proves nothing either.
             opened = attempt == 0 and self._commanded_open()
-            if not opened or not await self._status(high=False, timeout_s=0.0):
+            closing = attempt == 0 and begun
+            if not closing and not (opened and await self._status(high=False, timeout_s=0.0)):
                 await self.unlatch()
-            resets = self._resets()
             if await self._close():
-                if not await self._status(high=False, timeout_s=STEADY_S):
+                if not prove:
                     return
-                if not await self._reset_since(resets):
-                    raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
+                try:
+                    await self.proof()
+                except CellFault as fault:
+                    if fault.code != "gripper_reset":
+                        raise
+                else:
+                    return
                 trouble = " Its board was reset."
         raise CellFault(
             "gripper_silent",
             f"No confirmed latch within {self._lines.travel_timeout_s:.1f} s "
             f"({self._lines.retries + 1} attempts).{trouble}{await self._board_says()}",
         )
+
+    async def proof(self) -> None:
+        steady_s = self._state().robot_time_s - self._confirmed_s
+        if not await self._status(high=False, timeout_s=max(0.0, STEADY_S - steady_s)):
+            return
+        if await self._reset_since(self._resets_settled):
+            raise CellFault("gripper_reset", "It was reset after it had confirmed the latch.")
+        raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
 
     async def unlatch(self) -> None:
         trouble = CellFault("gripper_silent")
@@ -86,13 +104,35 @@ class LatchGripper:
                     f"The status line stays high although the latch was told to open.{says}",
                 )
                 continue
-            opening_s = max(self._lines.release_s, STEADY_S)
-            if await self._status(high=True, timeout_s=opening_s):
-                raise CellFault("gripper_fault", "The status line rose while it opened.")
+            await self._opening()
             if not await self._reset_since(resets):
                 return
             trouble = CellFault("gripper_reset", "It was reset while the latch opened.")
         raise trouble
+
+    async def _opening(self) -> None:
+        """Give the latch the time that it takes to open; less where its board says that it is.
+
+        Raises:
+            CellFault: ``gripper_fault``: the status line rose.
+        """
+        begun_s = self._state().robot_time_s
+        opening_s, wait_s = max(self._lines.release_s, STEADY_S), STEADY_S
+        board = self._board
+        while wait_s > 0.0:
+            if await self._status(high=True, timeout_s=wait_s):
+                raise CellFault("gripper_fault", "The status line rose while it opened.")
+            if board is not None:
+                try:
+                    said = await board.state()
+                except CellctlError as error:
+                    _log.info("gripper_board_asked_in_vain", reason=str(error))
+                    board = None
+                else:
+                    if said.told_open and not said.moving and not said.fault:
+                        return
+            left_s = opening_s - (self._state().robot_time_s - begun_s)
+            wait_s = left_s if board is None else min(left_s, _ASK_EVERY_S)
 
     async def check_wiring(self) -> float:
         await self.unlatch()
@@ -139,6 +179,7 @@ class LatchGripper:
         confirmed = await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
         if confirmed:
             self._resets_settled = resets
+            self._confirmed_s = self._state().robot_time_s
         return confirmed
 
     async def _reset_since(self, resets: int) -> bool:

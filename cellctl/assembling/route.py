@@ -27,13 +27,15 @@ from cellctl.errors import PlanError
 __all__ = ["Route", "RoutePlanner", "Stance", "StepRoute"]
 
 
-SETTING_OUT_S = 0.06
+SETTING_OUT_S = 0.05
 """Between an act of the gripper and a movement: what was done is written down, the gate of the path
 opens, and its end is seen; measured in the emulated cell at its own speed."""
 
 
-TOUCH_S = 0.3
-"""To move a fraction of a millimetre and feel; measured in the emulated cell at its own speed."""
+SEATING_S = 0.04
+"""To feel the seat; measured in the emulated cell at its own speed, as is the next."""
+FREEING_S = 0.15
+"""To rise by a fraction of a millimetre and feel, with the next way made ready beside it."""
 
 
 class StepRoute(Value):
@@ -63,11 +65,14 @@ class RoutePlanner:
         self.home = Stance(self._tcp_of(home_rad), home_rad)
         self._finder = RouteFinder(config, self._frames, self._checker)
         lines = config.gripper
-        self.closing_s = SETTING_OUT_S + lines.latch_s + STEADY_S
-        """What a movement to a part costs beside its way: being set out for, and the latch."""
+        self.closing_s = SETTING_OUT_S + lines.latch_s
+        """What a movement to a part costs beside its way: being set out for, and the latch, which
+        is proven while the part rises."""
+        self.gripping_s = self.closing_s + STEADY_S
+        """The same of a part that stands: the latch is proven before it is parted from others."""
         self.opening_s = SETTING_OUT_S + max(lines.release_s, STEADY_S)
         """The same of a movement with a part to where it is let go."""
-        self._touch_s = TOUCH_S if config.robot.touch_depth_m > 0.0 else 0.0
+        self._depth_m = config.robot.touch_depth_m
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
         self._taking = TakeOffRoutes(config, self._frames, self._checker)
 
@@ -114,6 +119,31 @@ class RoutePlanner:
             raise PlanError(f"{_name(cell)} is already occupied.")
         scene = self._checker.scene(placed, carrying=True)
         return self._route(start or self.pick_stance(), self.place_stance(cell), scene)
+
+    def to_seat(self, cell: Cell, start: Stance, placed: Collection[Cell]) -> Route:
+        """The same from anywhere, pressed on what carries the part where that bears it: its end is
+        ``robot.touch_depth_m`` below the seat.
+
+        Raises:
+            PlanError: there is no such way.
+        """
+        if not self.presses(cell, placed):
+            return self.to_cell(cell, placed, start)
+        if cell in placed:
+            raise PlanError(f"{_name(cell)} is already occupied.")
+        seat = self.place_stance(cell)
+        tcp = to_matrix(seat.tcp_pose)
+        below = self._frames.raised(tcp, self._frames.height_m(tcp) - self._depth_m)
+        goal = self._stance(below, _name(cell), near=seat.joints_rad)
+        scene = self._checker.scene(placed, carrying=True)
+        return self._finder.find(start, goal, scene, sink_m=self._depth_m)
+
+    def presses(self, cell: Cell, placed: Collection[Cell]) -> bool:
+        """Whether a part is pressed on what carries it: where a column down to the floor does, for
+        no other joints bear being pressed on."""
+        if self._depth_m == 0.0:
+            return False
+        return all(Cell(cell.x, cell.y, z) in placed for z in range(cell.z))
 
     def to_grip(self, cell: Cell, placed: Collection[Cell], start: Stance) -> Route:
         """With an open gripper from anywhere to a part that stands.
@@ -283,7 +313,7 @@ class RoutePlanner:
         """
         start = self.home if previous is None else self.place_stance(previous)
         fetch = self.to_pick(start, placed)
-        bring = self.to_cell(cell, placed, fetch.end)
+        bring = self.to_seat(cell, fetch.end, placed)
         standing_s = self.closing_s + self.placing_s(cell, placed)
         return StepRoute(
             clearance_m=bring.crossing_height_m,
@@ -293,8 +323,8 @@ class RoutePlanner:
     def placing_s(self, cell: Cell, placed: Collection[Cell]) -> float:
         """What bringing a part to a cell costs beside its way: being set out for, the latch, and
         what is felt there."""
-        column = all(Cell(cell.x, cell.y, z) in placed for z in range(cell.z))
-        return self.opening_s + self._touch_s * (2 if column else 1)
+        freeing_s = FREEING_S if self._depth_m > 0.0 else 0.0
+        return self.opening_s + freeing_s + (SEATING_S if self.presses(cell, placed) else 0.0)
 
     def reachable(self, cell: Cell) -> bool:
         """Whether a part can be brought to a cell, with its approach, where nothing else stands."""

@@ -226,7 +226,9 @@ class RouteChecker:
             points, jumps.max(axis=1) > _JUMP_RAD, "would have to change its configuration at"
         )
 
-    def check_room(self, course: Course, scene: Scene, touch_m: float = TOUCH_M) -> None:
+    def check_room(
+        self, course: Course, scene: Scene, touch_m: float = TOUCH_M, sink_m: float = 0.0
+    ) -> None:
         """Check what everything that moves sweeps on a path.
 
         The gripper and its part keep the margin, but where they go straight up or down at one end
@@ -237,6 +239,7 @@ class RouteChecker:
             course: the path.
             scene: what moves, and what is in the way.
             touch_m: what overlaps by this, where no margin is kept, only touches.
+            sink_m: there, what comes from above may sink in by so much more.
 
         Raises:
             PlanError: they touch something.
@@ -245,7 +248,9 @@ class RouteChecker:
         margins = np.minimum(self._margin_m, _MARGIN_SHARE * self._aside_m(points))
         for group in scene.obstacles:
             for body in scene.bodies:
-                touched = group.touched(body, points, course.rotations, margins, touch_m)
+                touched = group.touched(
+                    body, points, course.rotations, margins, touch_m=touch_m, sink_m=sink_m
+                )
                 if touched.any():
                     name = group.names[int(np.argmax(touched.any(axis=0)))]
                     raise PlanError(f"The {scene.what} would touch {name}.")

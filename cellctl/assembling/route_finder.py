@@ -48,8 +48,14 @@ class RouteFinder:
         self._checker = checker
         self._shaper = Shaper(config, frames)
 
-    def find(self, start: Stance, goal: Stance, scene: Scene) -> Route:
+    def find(self, start: Stance, goal: Stance, scene: Scene, sink_m: float = 0.0) -> Route:
         """The first of the shapes that keeps clear of everything.
+
+        Args:
+            start: where the arm is.
+            goal: where it goes.
+            scene: what moves, and what is in the way.
+            sink_m: how far below its seat the goal is.
 
         Raises:
             PlanError: none does; the message says what is in the way of the plainest one.
@@ -58,18 +64,20 @@ class RouteFinder:
         shapes = (
             iter([only])
             if only is not None
-            else self._shaper.shapes(self._levels(start, goal, scene))
+            else self._shaper.shapes(self._levels(start, goal, scene), carrying=scene.carrying)
         )
         refused: PlanError | None = None
         for shape in shapes:
             try:
-                return self._shaped(start, goal, shape, scene)
+                return self._shaped(start, goal, shape, scene, sink_m)
             except PlanError as error:
                 refused = error  # the last one is the plainest
         assert refused is not None, "some shape was tried"
         raise refused
 
-    def _shaped(self, start: Stance, goal: Stance, shape: Shape, scene: Scene) -> Route:
+    def _shaped(
+        self, start: Stance, goal: Stance, shape: Shape, scene: Scene, sink_m: float
+    ) -> Route:
         """One shape of path, as quick as the joints allow.
 
         Raises:
@@ -78,7 +86,7 @@ class RouteFinder:
         """
         carrying = scene.carrying
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
-        corners = self._shaper.corners(here, there, shape)
+        corners = self._shaper.corners(here, there, shape, carrying=carrying)
         if not corners:
             height_m = self._frames.height_m(here)
             return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
@@ -87,7 +95,8 @@ class RouteFinder:
         end_rad = as_joints(course.joints_rad[-1])
         if not _same_joints(end_rad, goal.joints_rad):
             raise PlanError("The arm would have to change its configuration on the way.")
-        self._checker.check_room(course, scene, TOUCH_M if shape.upright else _FLUSH_M)
+        touch_m = TOUCH_M if shape.upright else _FLUSH_M
+        self._checker.check_room(course, scene, touch_m, sink_m)
         limits = self._shaper.tcp_limits(corners, carrying=carrying)
         timing = Use(course).fitted(self._checker.limits, limits)
         heights = course.points @ self._frames.cell_from_base[2, :3]

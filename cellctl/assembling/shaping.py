@@ -22,6 +22,9 @@ _SLOW_BLEND_M = 0.002
 _THROUGH_BLEND_M = 0.006
 _CORNER_SHARE = 0.7
 """Of a piece of a way up or down that ends at the way across: so much of it is for the curve."""
+_LEAST_REST = 0.3
+"""What is left of a way up or down beside that piece is one of its own if it is longer than this
+share of it."""
 _BLEND_SHARE = 0.9
 _SHARED_BLEND_SHARE = 0.45
 """Largest share of a leg that one blend may use, so that two never overlap: of a leg that it has
@@ -29,7 +32,8 @@ for itself but for a short blend, and of one that it shares."""
 _HIGHER = 3
 """Where no low way is free, so many higher ones are tried, a part's height apart."""
 _LEAVING_SHARE = 0.5
-"""Of the slow stretch on which parts come to touch: so much is slow where they part."""
+"""Of the slow stretch on which parts come to touch: so much is slow where they part. A gripper that
+is felt to be free touches nothing any more."""
 _UPRIGHT_M = 0.045
 """Joints that go straight over this length of a way up or down leave the line by 0.6 mm at most."""
 _LEAST_FAST_M = 0.008
@@ -91,17 +95,19 @@ class Shaper:
             return Shape(height_m, height_m, 0.0)
         return Shape(self._plane_m, self._plane_m, 0.0) if self._square else None
 
-    def shapes(self, levels: Sequence[Shape]) -> Iterator[Shape]:
+    def shapes(self, levels: Sequence[Shape], *, carrying: bool) -> Iterator[Shape]:
         """Shapes worth trying, the quick ones first.
 
         Args:
             levels: ways across, their blends still to be chosen.
+            carrying: a part moves with the gripper.
         """
         # A curve may cut off the clearance that a corner has. Wider ones would ask for a higher
-        # way, and were not found to be quicker.
+        # way, and were not found to be quicker. What a part that is carried stands beside leaves
+        # it no room for joints that go straight all the way up or down.
         blend_m = min(self._robot.blend_radius_m, self._robot.clearance_m)
         for level in levels:
-            yield level._replace(blend_m=blend_m, upright=False)
+            yield level._replace(blend_m=blend_m, upright=carrying)
         spare_m = self._robot.clearance_m - self._robot.margin_m
         blend_m = max(0.0, min(self._robot.blend_radius_m, spare_m))
         for level in levels:
@@ -113,18 +119,20 @@ class Shaper:
             yield Shape(level_m, level_m, blend_m)
         yield levels[-1]._replace(blend_m=0.0)
 
-    def corners(self, here: Matrix, there: Matrix, shape: Shape) -> list[Corner]:
+    def corners(self, here: Matrix, there: Matrix, shape: Shape, *, carrying: bool) -> list[Corner]:
         """Corners of a path of this shape, without its start; none where there is no way to go."""
         slow_m = 0.0 if self._square else self._robot.approach_height_m
+        free = not carrying and self._robot.touch_depth_m > 0.0
+        leaving_m = 0.0 if free else _LEAVING_SHARE * slow_m
         found: list[Corner] = []
         if not stacked(here, there):
-            found += self._climb(here, shape.first_m, slow_m, shape)
+            found += self._climb(here, shape.first_m, leaving_m, shape)
             found += [Corner(tcp, slow=False, across=True) for tcp in shape.between]
             found.append(Corner(self._frames.raised(there, shape.last_m), slow=False))
             here = found[-1].tcp
         fall_m = self._frames.height_m(here) - self._frames.height_m(there)
         if fall_m < 0.0:
-            return found + self._climb(here, self._frames.height_m(there), slow_m, shape)
+            return found + self._climb(here, self._frames.height_m(there), leaving_m, shape)
         if fall_m > slow_m + _LEAST_FAST_M > _LEAST_FAST_M:
             near_m = self._frames.height_m(there) + slow_m
             cuts = self._cuts(fall_m - slow_m, shape)
@@ -175,13 +183,13 @@ class Shaper:
 
     def _climb(self, here: Matrix, height_m: float, slow_m: float, shape: Shape) -> list[Corner]:
         """Straight up: slowly off whatever is touched, then fast."""
-        slow_m *= _LEAVING_SHARE
         begun_m = self._frames.height_m(here)
         rise_m = height_m - begun_m
-        if rise_m > slow_m + _LEAST_FAST_M > _LEAST_FAST_M:
+        if not self._square and rise_m > slow_m + _LEAST_FAST_M:
             clear = self._frames.raised(here, begun_m + slow_m)
             cuts = self._cuts(rise_m - slow_m, shape)
-            return [Corner(clear, slow=True), *self._upright(clear, height_m, cuts)]
+            slow = [Corner(clear, slow=True)] if slow_m > 0.0 else []
+            return [*slow, *self._upright(clear, height_m, cuts)]
         if rise_m > _SAME_PLACE_M / 2:
             return [Corner(self._frames.raised(here, height_m), slow=slow_m > 0.0)]
         return []
@@ -193,7 +201,7 @@ class Shaper:
             return [1.0]
         corner_m = shape.blend_m / _CORNER_SHARE
         rest_m = length_m - corner_m
-        if rest_m < corner_m or corner_m <= 0.0:
+        if rest_m < _LEAST_REST * corner_m or corner_m <= 0.0:
             corner_m, rest_m = 0.0, length_m
         steps = max(1, math.ceil(rest_m / _UPRIGHT_M)) if shape.upright else 1
         cuts = [(i + 1) / steps * rest_m / length_m for i in range(steps)]

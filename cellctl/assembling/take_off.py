@@ -39,6 +39,7 @@ _SLICE_M = 0.03
 """What leans is looked at in slices this high, for a whole box around it would be far too wide."""
 _BLEND_SHARE = 0.4
 _NEAR_SEAT_M = 0.008
+_THERE_M = 0.0002
 _UPRIGHT_RAD = math.radians(0.2)
 
 
@@ -98,8 +99,12 @@ class TakeOffRoutes:
         """A fraction of a millimetre up or down; see ``RoutePlanner.near_seat``."""
         seat = self._frames.place_tcp(cell)
         goal = self._frames.raised(seat, self._frames.height_m(seat) + above_m)
-        if math.dist(to_pose(goal)[:3], start.tcp_pose[:3]) > _NEAR_SEAT_M:
+        off_m = math.dist(to_pose(goal)[:3], start.tcp_pose[:3])
+        if off_m > _NEAR_SEAT_M:
             raise PlanError("The arm is not at the part's seat.")
+        if off_m < _THERE_M:
+            height_m = self._frames.height_m(goal)
+            return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
         scene = self._checker.scene(placed, carrying=carrying)
         return self._checked(start, [(goal, self._parting_m_s)], scene)
 

@@ -80,7 +80,8 @@ class GripperSection(Section):
     latch_s: Positive = 0.35
     """How long the latch takes to close, for times that are told in advance (cell time)."""
     release_s: Positive = 0.5
-    """How long the latch takes to open, which no line tells (cell time)."""
+    """How long the latch takes to open at most, which no line tells (cell time); its board's serial
+    port, where connected, tells when it is over."""
     retries: Annotated[int, Field(ge=0, le=5)] = 1
     """How often a silent gripper or a missed pick is tried again before it is a fault."""
     port: Annotated[str | None, Field(min_length=1)] = None

@@ -16,15 +16,17 @@ from cellctl.control.acting import Acting
 from cellctl.control.acts import ActKind
 from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
-from cellctl.control.moving import ArmAndLatch
-from cellctl.control.touch import Touch
+from cellctl.control.moving import Ahead, ArmAndLatch
+from cellctl.control.touch import Beside, Touch, alone
 from cellctl.errors import CellFault
+from cellctl.feeding.belt import BeltState
 from cellctl.feeding.inventory import Move
 from cellctl.feeding.service import BeltService
 
 log = structlog.get_logger(__name__)
 
 _FREE = "off the part that was let go"
+_STATION = "to the pick station"
 
 
 class Builder(Acting):
@@ -44,7 +46,7 @@ class Builder(Acting):
         self._retries = 0
         self._waited_s = 0.0
         self._latch_before_s = 0.0
-        self._routes_before_s = 0.0
+        self._routes_before_s = self._felt_before_s = 0.0
         self._part_began_s: float | None = None
 
     def begin(self) -> None:
@@ -55,6 +57,7 @@ class Builder(Acting):
         self._part_began_s, self._waited_s, self._retries = began_s, 0.0, 0
         self._latch_before_s = self._hands.waited_for_latch_s
         self._routes_before_s = self._hands.waited_for_routes_s
+        self._felt_before_s = self._touch.felt_s
 
     # --- the stages ---------------------------------------------------------------------------
 
@@ -85,6 +88,8 @@ class Builder(Acting):
             self._part_began_s = began_s
         await self._ask_for_part(job)
         try:
+            # While the belt works.
+            await self._open_empty()
             await self._belt.part_ready(near)
         except asyncio.CancelledError:
             self._end_feed("interrupted")
@@ -107,14 +112,7 @@ class Builder(Acting):
             self._part_began_s = self._clock.now_s()
         hands = self._hands
         async with self._act(ActKind.PICK, job) as act:
-            if self.grip is Grip.NOTHING:
-                await self._refuse_unknown_part()
-                if not hands.is_open() and not self.ledger.missed:
-                    await hands.open()
-                await self._travel(hands.routes.to_pick, job)
-                if not hands.is_open():
-                    await hands.open()
-            belt = await self._belt.state()
+            belt = await (self._reach(job) if self.grip is Grip.NOTHING else self._belt.state())
             if self.grip is Grip.NOTHING and not belt.part_present:
                 act.failed("No part lies at the station any more.")
                 self._end_feed("failed", act.reason)
@@ -127,14 +125,51 @@ class Builder(Acting):
             step = job.step
             assert step is not None, "a part is picked for a step"
             await hands.foreseeing(
-                hands.close(),
+                hands.close(prove=False),
                 str(step.cell),
-                lambda start, placed: hands.routes.to_cell(step.cell, placed, start),
+                partial(hands.routes.to_seat, step.cell),
                 self.standing,
             )
             act.moves, act.belt_indexes = (Move.PICK,), belt.indexes
             self._lifted = self._vouched = False
         return True
+
+    async def _open_empty(self) -> None:
+        """Have the latch open before the arm sets out; after a miss it may hold a part after all,
+        and opens over the belt.
+
+        Raises:
+            CellFault: of the gripper, or of the arm.
+        """
+        await self._refuse_unknown_part()
+        if not self._hands.is_open() and not self.ledger.missed:
+            await self._hands.open()
+
+    async def _reach(self, job: Job) -> BeltState:
+        """Go to the part at the station, unless it is gone by the time the arm is nearly there. The
+        latch begins to close as the arm arrives.
+
+        Raises:
+            CellFault: of arm, belt or gripper.
+        """
+        hands = self._hands
+        await self._open_empty()
+        move = asyncio.create_task(
+            self._travel(hands.routes.to_pick, job, key=_STATION, closing=not self.ledger.missed)
+        )
+        try:
+            await hands.wait_nearly_at_station(move)
+            belt = await self._belt.state()
+            if belt.part_present:
+                await move
+        finally:
+            move.cancel()
+            await asyncio.gather(move, return_exceptions=True)
+            if not self.ledger.missed and hands.may_be_closing():
+                self._latch_moves(ActKind.PICK)
+        if belt.part_present and self.grip is Grip.NOTHING and not hands.is_open():
+            await hands.open()
+        return belt
 
     async def place(self, job: Job) -> bool:
         """Bring the part to its cell; False when the part stayed at the station.
@@ -147,13 +182,11 @@ class Builder(Acting):
         async with self._act(ActKind.PLACE, job) as act:
             routes = self._hands.routes
             move = asyncio.create_task(
-                self._travel(
-                    lambda start, placed: routes.to_cell(step.cell, placed, start),
-                    job,
-                    key=str(step.cell),
-                )
+                self._travel(partial(routes.to_seat, step.cell), job, key=str(step.cell))
             )
             try:
+                # While the part rises straight up, slowly at first.
+                await self._hands.proof()
                 lifted = await self._see_it_lift(move)
                 if lifted:
                     await self._call_the_next(move, job)
@@ -190,8 +223,10 @@ class Builder(Acting):
             if self.grip is Grip.PART:
                 await self._touch.seat(step.cell, self.standing, partial(self._travel, job=job))
             self._latch_moves(ActKind.RELEASE)
-            await self._let_go(step.cell)
-            await self._touch.free(step.cell, partial(self._travel, job=job, key=_FREE))
+            await self._let_go(job, step.cell)
+            await self._touch.free(
+                step.cell, partial(self._travel, job=job, key=_FREE), self._next_prepared(job)
+            )
             act.moves = (Move.PLACE,)
         job.outcomes.append(self._outcome(step))
         job.standing = self.standing
@@ -209,19 +244,33 @@ class Builder(Acting):
             waited_s=round(self._waited_s, 3),
             latch_s=round(self._hands.waited_for_latch_s - self._latch_before_s, 3),
             route_s=round(self._hands.waited_for_routes_s - self._routes_before_s, 3),
+            touch_s=round(self._touch.felt_s - self._felt_before_s, 3),
             predicted_s=step.duration_s,
             retries=self._retries,
         )
         self._count_from(now_s)
         return outcome
 
-    async def _let_go(self, cell: Cell) -> None:
-        """Open the latch, with the movement after it ready."""
+    async def _let_go(self, job: Job, cell: Cell) -> None:
+        """Open the latch, with the movement after it ready, and the one to the next part planned
+        for when this one stands."""
         freeing = self._touch.freeing(cell)
         if freeing is None:
             await self._hands.open()
             return
-        await self._hands.foreseeing(self._hands.open(), _FREE, freeing, self.standing)
+        ahead = None
+        if job.more_after_this and not job.cancelling:
+            ahead = Ahead(_STATION, self._hands.routes.to_pick, self.standing | {cell})
+        await self._hands.foreseeing(self._hands.open(), _FREE, freeing, self.standing, ahead)
+
+    def _next_prepared(self, job: Job) -> Beside:
+        """Awaits something while the way to the next part is made ready, if that lies there."""
+        step, routes = job.step, self._hands.routes
+        assert step is not None, "a part was let go for a step"
+        if not job.more_after_this or job.cancelling or not self._belt.ready:
+            return alone
+        standing = self.standing | {step.cell}
+        return lambda awaited: self._hands.foreseeing(awaited, _STATION, routes.to_pick, standing)
 
     async def retreat(self, job: Job) -> None:
         """Go up and home.
@@ -243,13 +292,18 @@ class Builder(Acting):
     # --- inside -------------------------------------------------------------------------------
 
     async def _travel(
-        self, plan: Callable[[Stance, frozenset[Cell]], Route], job: Job, key: str = ""
+        self,
+        plan: Callable[[Stance, frozenset[Cell]], Route],
+        job: Job,
+        key: str = "",
+        *,
+        closing: bool = False,
     ) -> None:
         def began() -> None:
             if job.first_motion_s is None:
                 job.first_motion_s = self._clock.now_s()
 
-        await self._hands.travel(plan, self.standing, began, key=key)
+        await self._hands.travel(plan, self.standing, began, key=key, closing=closing)
 
     async def _see_it_lift(self, move: asyncio.Task[None]) -> bool:
         """Whether the part leaves the station with the gripper."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import structlog
 
+from cellctl.assembling.arm import Switch
 from cellctl.assembling.latch_gripper import STEADY_S
 from cellctl.assembling.poses import distance
 from cellctl.assembling.route import Route, RoutePlanner, Stance
@@ -25,17 +26,43 @@ if TYPE_CHECKING:
 
 _POLL_S = 0.02
 _SAME_JOINTS_RAD = 0.002
+_CLOSING_M = 0.001
+"""So close to its part the open latch is told to close: it moves far less than it has play by the
+time the gripper has its seat."""
+_NEARLY_M = 0.12
+"""So close to the station the arm takes a tenth of a second or two to arrive."""
 
 log = structlog.get_logger(__name__)
 
 
+Plan = Callable[[Stance, frozenset[Cell]], Route]
+"""Makes a route from the arm's stance and what stands."""
+
+
+class Ahead(NamedTuple):
+    """A movement that comes after the next one."""
+
+    key: str
+    """What it is for; ``travel`` takes it up by this."""
+    plan: Plan
+    standing: frozenset[Cell]
+    """Cells that will hold a part."""
+
+
 class _Foreseen(NamedTuple):
-    """A route that was planned, and prepared, before it is needed."""
+    """A route that was planned before it is needed."""
 
     key: str
     start: Stance
     standing: frozenset[Cell]
     route: Route
+
+    def fits(self, key: str, here: Stance, standing: frozenset[Cell]) -> bool:
+        """Whether it is for this, and nothing has changed since."""
+        if self.key != key or self.standing != standing:
+            return False
+        pairs = zip(here.joints_rad, self.start.joints_rad, strict=True)
+        return max(abs(a - b) for a, b in pairs) < _SAME_JOINTS_RAD
 
 
 class ArmAndLatch:
@@ -55,7 +82,14 @@ class ArmAndLatch:
         self.routes = RoutePlanner(config)
         self._opened = False
         """The gripper has confirmed that it is open since it last closed."""
+        self._closing = False
+        """It was told to close at the end of the last movement."""
+        self._unproven = False
+        """It has just confirmed a latch, and may still revoke it."""
         self._foreseen: _Foreseen | None = None
+        """What comes next, ready at the controller."""
+        self._ahead: _Foreseen | None = None
+        """What comes after that, only planned."""
         self.waited_for_routes_s = 0.0
         """How long the arm has stood in all because its route was not planned yet (cell time)."""
         self.waited_for_latch_s = 0.0
@@ -83,25 +117,28 @@ class ArmAndLatch:
 
     async def foreseeing(
         self,
-        latch: Awaitable[None],
+        meanwhile: Awaitable[None],
         key: str,
-        plan: Callable[[Stance, frozenset[Cell]], Route],
+        plan: Plan,
         standing: frozenset[Cell],
+        ahead: Ahead | None = None,
     ) -> None:
-        """Wait for the latch, and have the next route ready at the controller meanwhile.
+        """Wait for something at rest, such as the latch, and have the next route ready at the
+        controller meanwhile.
 
         Args:
-            latch: opens or closes it.
+            meanwhile: what is waited for.
             key: what the route is for; ``travel`` takes it up by this.
-            plan: makes the route from the arm's stance and what will stand.
+            plan: makes the route.
             standing: cells that will hold a part.
+            ahead: the movement after it, which is only planned.
 
         Raises:
-            CellFault: of the gripper.
+            CellFault: of what is waited for.
         """
-        foresight = asyncio.create_task(self._foresee(key, plan, standing))
+        foresight = asyncio.create_task(self._foresee(key, plan, standing, ahead))
         try:
-            await latch
+            await meanwhile
             began_s = self._clock.now_s()
             await foresight
             self.waited_for_routes_s += self._clock.now_s() - began_s
@@ -110,29 +147,34 @@ class ArmAndLatch:
             await asyncio.gather(foresight, return_exceptions=True)
 
     async def _foresee(
-        self,
-        key: str,
-        plan: Callable[[Stance, frozenset[Cell]], Route],
-        standing: frozenset[Cell],
+        self, key: str, plan: Plan, standing: frozenset[Cell], ahead: Ahead | None
     ) -> None:
         self._foreseen = None
         start = self.stance()
         try:
-            route = await asyncio.to_thread(plan, start, standing)
+            route = self._planned_ahead(key, start, standing)
+            if route is None:
+                route = await asyncio.to_thread(plan, start, standing)
             if route.path:
                 await self.arm.prepare(route.path)
+            self._foreseen = _Foreseen(key, start, standing, route)
+            if ahead is not None:
+                after = await asyncio.to_thread(ahead.plan, route.end, ahead.standing)
+                self._ahead = _Foreseen(ahead.key, route.end, ahead.standing, after)
         except (PlanError, CellFault) as error:
             # Whoever sets out meets it again, and says so.
             log.info("next route not prepared", route=key, reason=str(error))
-            return
-        self._foreseen = _Foreseen(key, start, standing, route)
 
-    async def _planned(
-        self, plan: Callable[[Stance, frozenset[Cell]], Route], standing: frozenset[Cell]
-    ) -> Route:
-        began_s = self._clock.now_s()
+    def _planned_ahead(self, key: str, start: Stance, standing: frozenset[Cell]) -> Route | None:
+        ahead, self._ahead = self._ahead, None
+        return ahead.route if ahead is not None and ahead.fits(key, start, standing) else None
+
+    async def _planned(self, key: str, plan: Plan, standing: frozenset[Cell]) -> Route:
+        began_s, start = self._clock.now_s(), self.stance()
+        if route := self._planned_ahead(key, start, standing):
+            return route
         try:
-            return await asyncio.to_thread(plan, self.stance(), standing)
+            return await asyncio.to_thread(plan, start, standing)
         except PlanError as error:
             raise CellFault("no_route", error.message) from error
         finally:
@@ -141,21 +183,18 @@ class ArmAndLatch:
     def _take_foreseen(self, key: str, standing: frozenset[Cell]) -> Route | None:
         """The route that was foreseen for this, if nothing has changed since."""
         foreseen, self._foreseen = self._foreseen, None
-        if foreseen is None or foreseen.key != key or foreseen.standing != standing:
-            return None
-        here = self.stance()
-        turned_rad = max(
-            abs(a - b) for a, b in zip(here.joints_rad, foreseen.start.joints_rad, strict=True)
-        )
-        return foreseen.route if turned_rad < _SAME_JOINTS_RAD else None
+        fits = foreseen is not None and foreseen.fits(key, self.stance(), standing)
+        return foreseen.route if foreseen is not None and fits else None
 
     async def travel(
         self,
-        plan: Callable[[Stance, frozenset[Cell]], Route],
+        plan: Plan,
         standing: frozenset[Cell],
         began: Callable[[], None] = lambda: None,
         speed_fraction: float = 1.0,
         key: str = "",
+        *,
+        closing: bool = False,
     ) -> None:
         """Plan a checked route from where the arm is, unless it was foreseen, and follow it.
 
@@ -165,15 +204,23 @@ class ArmAndLatch:
             began: called when there is a way to go, before it begins.
             speed_fraction: share of the speeds that the route has.
             key: what it is for, where it may have been foreseen.
+            closing: an open latch is told to close when the gripper is all but on its part, and
+                ``close`` has less to wait for.
 
         Raises:
             CellFault: ``no_route``, or of the arm.
         """
-        route = self._take_foreseen(key, standing) or await self._planned(plan, standing)
+        route = self._take_foreseen(key, standing) or await self._planned(key, plan, standing)
         if not route.path and route.joints is None:
             return
         began()
-        await travel(self.arm, route.slowed(speed_fraction))
+        switch = None
+        if closing and self.is_open() and not self.latched():
+            switch = Switch(
+                line=self._config.gripper.command_output, high=False, within_m=_CLOSING_M
+            )
+        await travel(self.arm, route.slowed(speed_fraction), switch)
+        self._closing = switch is not None
 
     async def check_wiring(self) -> float:
         """Prove the gripper's lines with an empty latch; see ``Gripper.check_wiring``."""
@@ -204,6 +251,22 @@ class ArmAndLatch:
             await self._clock.sleep(_POLL_S)
         if move.done():
             await move
+
+    async def wait_nearly_at_station(self, move: asyncio.Task[None]) -> None:
+        """Wait until the arm is about to arrive at the pick station, or the movement has ended.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        station = self.routes.pick_stance().tcp_pose[:3]
+        while not move.done() and math.dist(self.state().tcp_pose[:3], station) > _NEARLY_M:
+            await self._clock.sleep(_POLL_S)
+        if move.done():
+            await move
+
+    def may_be_closing(self) -> bool:
+        """Whether the latch may have been told to close since it was opened."""
+        return self.arm.state() is None or not self.is_told_open()
 
     def near_station(self, *, carrying: bool) -> bool:
         """Whether a part that comes in could touch the gripper, or the part that it holds.
@@ -241,21 +304,37 @@ class ArmAndLatch:
         Raises:
             CellFault: of the gripper.
         """
+        self._unproven = self._closing = False
         began_s = self._clock.now_s()
         await self._gripper.unlatch()
         self.waited_for_latch_s += self._clock.now_s() - began_s
         self._opened = True
 
-    async def close(self) -> None:
+    async def close(self, *, prove: bool = True) -> None:
         """Close the latch, and see it confirmed.
+
+        Args:
+            prove: see it confirmed for longer than a fault could look like it.
 
         Raises:
             CellFault: of the gripper.
         """
-        self._opened = False
+        begun, self._closing = self._closing and not self.is_told_open(), False
+        self._opened = self._unproven = False
         began_s = self._clock.now_s()
-        await self._gripper.latch()
+        await self._gripper.latch(prove=prove, begun=begun)
+        self._unproven = not prove
         self.waited_for_latch_s += self._clock.now_s() - began_s
+
+    async def proof(self) -> None:
+        """Wait for the proof that was left out when the latch closed; at once where none was.
+
+        Raises:
+            CellFault: ``gripper_fault`` or ``gripper_reset``.
+        """
+        unproven, self._unproven = self._unproven, False
+        if unproven:
+            await self._gripper.proof()
 
     def is_told_open(self) -> bool:
         """Whether the command line tells the latch to be open."""

@@ -65,6 +65,8 @@ class Bench:
         self.step_s = STEP_S
         self.building_s = 0.0
         """From the first fetch to the last part."""
+        self.rising_s = 0.0
+        """Of that, how long it took to rise a little from the parts that were let go."""
         self.trace: list[list[float]] = []
         """Joint positions after each step."""
         self._show(0.0)
@@ -104,14 +106,20 @@ class Bench:
             self.world.belt_move(2.0 * self.config.voxel.pitch_m)
             self.follow(self.routes.to_pick(self.stance(), placed))
             self.world.latch_closed()
-            self.follow(self.routes.to_cell(cell, placed, self.stance()))
+            self.follow(self.routes.to_seat(cell, self.stance(), placed))
             self.world.latch_opened()
+            self.rising_s += self._rise(cell, placed)
             placed.append(cell)
         self.building_s = self.seen.duration_s
         up = self.routes.retreat(self.stance(), placed, carrying=False)
         self.follow(up)
         self.follow(self.routes.to_home(self.stance(), placed, carrying=False))
         return self.seen
+
+    def _rise(self, cell: Cell, placed: list[Cell]) -> float:
+        depth_m = self.config.robot.touch_depth_m
+        near = self.routes.near_seat(cell, depth_m, placed, self.stance(), carrying=False)
+        return self.follow(near)
 
     def _moves(self, path: Path) -> list[Waypoint]:
         """The path as the client's script has it, poses made joints as the controller does."""

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 
 import pytest
 
+from cellctl.assembling.arm import Switch
 from cellctl.assembling.latch_gripper import LatchGripper
 from cellctl.config import CellConfig
 from cellctl.errors import CellFault
 from tests.assembling.emulator import Emulator
-from tests.assembling.test_arm import connected
+from tests.assembling.paths import away_from
+from tests.assembling.test_arm import connected, stance
 
 pytestmark = pytest.mark.wire
 
@@ -183,6 +186,54 @@ def test_a_toggling_status_is_no_latch(config: CellConfig) -> None:
             with pytest.raises(CellFault) as caught:
                 await latch.latch()
             assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_the_proof_may_be_left_for_later_and_is_not_forgotten(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.unlatch()
+            await latch.latch(prove=False)
+            await latch.proof()
+            await latch.unlatch()
+            pins.behaviour = stalled
+            await latch.latch(prove=False)
+            with pytest.raises(CellFault, match="confirmed and then revoked") as caught:
+                await latch.proof()
+            assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_a_latch_that_was_told_to_close_on_the_way_is_not_opened_again(config: CellConfig) -> None:
+    async def scenario() -> None:
+        with Emulator(config, "--clock-rate", "2") as emulator:
+            pins = Pins(emulator)
+            async with connected(emulator.config) as arm:
+                at_work = asyncio.create_task(pins.run())
+                latch = LatchGripper(arm, emulator.config)
+                await latch.unlatch()
+                lines = emulator.config.gripper
+                path = away_from(stance(arm).tcp_pose)[:1]
+                switch = Switch(line=lines.command_output, high=False, within_m=0.02)
+                states: list[tuple[bool, bool]] = []
+                move = asyncio.create_task(arm.follow(path, 3.0, switch))
+                while not move.done():
+                    state = arm.state()
+                    assert state is not None
+                    told_open = bool(state.digital_outputs >> lines.command_output & 1)
+                    near = math.dist(state.tcp_pose[:3], path[-1].pose[:3]) < 0.02
+                    states.append((told_open, near))
+                    await asyncio.sleep(0.002)
+                await move
+                assert (True, False) in states
+                assert (False, False) not in states
+                await latch.latch(begun=True)
+                assert pins.commands == [False, True, False]
+                at_work.cancel()
+                with suppress(asyncio.CancelledError):
+                    await at_work
 
     asyncio.run(scenario())
 

@@ -6,6 +6,7 @@ import itertools
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cellctl.assembling.arm import JointWaypoint, Waypoint
@@ -82,18 +83,21 @@ def test_a_tower_aside_does_not_raise_the_crossing(planner: RoutePlanner) -> Non
     assert over.crossing_height_m > low.crossing_height_m + 0.2
 
 
-def test_the_last_stretch_is_slow(planner: RoutePlanner, config: CellConfig) -> None:
+def test_the_last_stretch_is_slow_and_a_parts_first(
+    planner: RoutePlanner, config: CellConfig
+) -> None:
     robot = config.robot
-    for route in (
-        planner.to_cell(Cell(3, 2, 0), ()),
-        planner.to_pick(planner.place_stance(Cell(3, 2, 0)), [Cell(3, 2, 0)]),
-    ):
+    fetching = planner.to_pick(planner.place_stance(Cell(3, 2, 0)), [Cell(3, 2, 0)])
+    for route in (planner.to_cell(Cell(3, 2, 0), ()), fetching):
         heights = heights_m(config, route)
         assert heights[-2] - heights[-1] == pytest.approx(robot.approach_height_m, abs=1e-6)
         took_s = turning_s(config, route.path[-2].pose, route.path[-1])
         assert took_s == pytest.approx(robot.approach_height_m / robot.approach_speed_m_s, rel=0.02)
         leaving_m = heights[0] - (0.3 if route.path[0].pose[1] < 0.3 else 0.1)
-        assert leaving_m == pytest.approx(robot.approach_height_m / 2, abs=1e-6)
+        if route is fetching:
+            assert leaving_m > robot.approach_height_m  # it was felt that nothing holds the gripper
+        else:
+            assert leaving_m == pytest.approx(robot.approach_height_m / 2, abs=1e-6)
 
 
 def turning_s(config: CellConfig, start: Pose, end: Waypoint | JointWaypoint) -> float:
@@ -114,6 +118,22 @@ def test_goes_straight_down_on_its_cell(planner: RoutePlanner) -> None:
     for waypoint in (above, near):
         assert waypoint.pose[:2] == pytest.approx(goal[:2], abs=1e-9)
         assert waypoint.pose[3:] == pytest.approx(goal[3:], abs=1e-9)
+
+
+def test_a_part_is_pressed_on_a_column_and_on_nothing_else(
+    planner: RoutePlanner, config: CellConfig
+) -> None:
+    start, depth_m = planner.pick_stance(), config.robot.touch_depth_m
+    for placed, cell, below_m in (
+        ((), Cell(2, 2, 0), depth_m),
+        ((Cell(2, 2, 0),), Cell(2, 2, 1), depth_m),
+        ((Cell(1, 2, 0), Cell(1, 2, 1)), Cell(2, 2, 1), 0.0),
+    ):
+        end = planner.to_seat(cell, start, placed).end
+        seat = planner.place_stance(cell).tcp_pose
+        assert np.subtract(seat, end.tcp_pose)[:3] == pytest.approx((0, 0, below_m), abs=1e-9)
+    with pytest.raises(PlanError, match="already occupied"):
+        planner.to_seat(Cell(2, 2, 0), start, [Cell(2, 2, 0)])
 
 
 def test_a_covered_cell_is_refused(planner: RoutePlanner) -> None:
@@ -185,7 +205,7 @@ def test_a_step_names_its_height_and_duration(planner: RoutePlanner) -> None:
     first = planner.step(Cell(2, 2, 0), ())
     assert first.duration_s == pytest.approx(
         planner.to_pick(planner.home, ()).duration_s
-        + planner.to_cell(Cell(2, 2, 0), ()).duration_s
+        + planner.to_seat(Cell(2, 2, 0), planner.pick_stance(), ()).duration_s
         + planner.closing_s
         + planner.placing_s(Cell(2, 2, 0), ())
     )

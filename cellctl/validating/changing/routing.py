@@ -41,7 +41,7 @@ def routed(
                 if not holding:
                     fetch = planner.to_pick(at, now)
                     at, took_s = fetch.end, fetch.duration_s + planner.closing_s
-                bring = planner.to_cell(step.cell, now, at)
+                bring = planner.to_seat(step.cell, at, now)
                 took_s += planner.placing_s(step.cell, now)
                 now.add(step.cell)
                 holding = False
@@ -81,4 +81,4 @@ def _taken(planner: RoutePlanner, step: Step, now: set[Cell], at: Stance) -> tup
     """Where the arm is when it has taken a part off, and how long that takes."""
     there = planner.to_grip(step.cell, now, at)
     off = planner.take_off(step.cell, step.take_off or _PULL, now, there.end)
-    return off.end, there.duration_s + planner.closing_s + off.duration_s
+    return off.end, there.duration_s + planner.gripping_s + off.duration_s
