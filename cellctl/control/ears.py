@@ -194,7 +194,8 @@ class LiveEars:
                 if await self._stopped_at_once(segment, own, take):
                     continue
                 utterance = await self._drafts.result(segment)
-                others = of_others(utterance.text, own)
+                command = overheard_command(utterance.text) is not None
+                others = of_others(utterance.text, own, command=command)
                 if utterance.text and not others:
                     log.info("own voice heard", text=utterance.text)
                     continue
@@ -241,7 +242,7 @@ class LiveEars:
             self._publish(SpeechData(utterance=utterance))
             self._tell(_NOT_UNDERSTOOD)
         elif segment.after or (word is not None and self._counts(word)):
-            said = utterance if word is None else utterance.model_copy(update={"text": word})
+            said = utterance if word != "stop" else utterance.model_copy(update={"text": word})
             await self._do(said, segment, take)
 
     async def _do(self, utterance: Utterance, segment: Segment, take: Take) -> None:

@@ -57,16 +57,21 @@ class OwnWords:
         return " ".join(heard)
 
 
-def of_others(heard: str, own: str) -> str:
+def of_others(heard: str, own: str, *, command: bool = False) -> str:
     """What somebody else said: the words heard without those that the cell said itself.
 
     Args:
         heard: what was recognised.
         own: what the cell said at that time; empty for nothing.
+        command: what was heard is a command, such as "take it apart": no slip of an echo is.
     """
     if not own:
         return heard
     mine, words = _words(own), _words(heard)
+    if any(mine[start : start + len(words)] == words for start in range(len(mine))):
+        return ""
+    if command:
+        return heard
     matcher = SequenceMatcher(None, mine, words, autojunk=False)
     blocks = [block for block in matcher.get_matching_blocks() if block.size]
     if sum(block.size for block in blocks) >= ECHO_SHARE * len(words):

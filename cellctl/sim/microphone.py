@@ -175,6 +175,10 @@ class VirtualMicrophone:
         """Suspend the microphone, or wake it: what records from it hears nothing, and no error."""
         self.order("suspend-source", SOURCE, str(int(suspended)))
 
+    def mute(self, muted: bool) -> None:
+        """Mute the microphone in the sound settings, or end that."""
+        self.order("set-source-mute", SOURCE, str(int(muted)))
+
     def silence(self, silent: bool) -> None:
         """Let the microphone deliver nothing but zeros, as behind a switch; or end that."""
         noise, self._noise = self._noise, None

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from cellctl.errors import RefusedError
-from cellctl.messages import ListenCommand, MuteCommand, SpeechData
+from cellctl.messages import ListenCommand, MuteCommand, Snapshot, SpeechData
 from cellctl.sim.microphone import VirtualMicrophone
 from tests.cell.harness import RunningCell, bar, running_cell
 from tests.cell.spoken import hearing, people, wait_for_ears
@@ -91,6 +91,21 @@ def test_a_wish_a_yes_and_a_build_by_voice_alone() -> None:
             cell.visitor.request(MuteCommand(command="unmute"))
         cell.client.request(MuteCommand(command="unmute"))
         cell.wait("an open microphone", lambda now: now.ears.state == "waiting")
+
+        # A switch, or a mute outside the cell, is shown; no software of the cell's undoes it.
+        for cut_off, why in ((microphone.silence, "switch"), (microphone.mute, "sound settings")):
+            cut_off(True)
+            silent = cell.wait("silence", lambda now: now.ears.state == "silent")
+            assert "talk" not in silent.dialogue.offers
+            cell.client.request(MuteCommand(command="unmute"))
+            assert cell.wait("the reason", is_silent(why)).ears.state == "silent"
+            cut_off(False)
+            cell.wait("sound", lambda now: now.ears.state == "waiting")
+
+
+def is_silent(why: str) -> Callable[[Snapshot], bool]:
+    """Whether the ears say that they hear nothing, and why."""
+    return lambda now: now.ears.state == "silent" and why in now.ears.sentence
 
 
 def stop_delays(attempts: int, good_enough_s: float = 0.0) -> list[float]:

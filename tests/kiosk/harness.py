@@ -118,7 +118,7 @@ class Visit:
         page.on("pageerror", lambda error: opened.problems.append(str(error)))
         page.on("request", asked)
         try:
-            page.goto(self.kiosk.url + path)
+            page.goto(self.kiosk.url + path, timeout=PATIENCE_S * 1000)
             yield opened
         finally:
             context.close()

@@ -154,6 +154,13 @@ def test_what_the_cell_says_itself_is_left_out(heard: str, others: str) -> None:
     assert of_others(heard, SENTENCE) == others
 
 
+def test_a_command_is_anybodys_but_in_the_cells_very_words() -> None:
+    own = "7 parts stand here. Take the object along, or have it taken apart."
+    assert of_others("Take it apart.", own) == ""
+    assert of_others("Take it apart.", own, command=True) == "Take it apart."
+    assert of_others("Take it apart.", "Shall I take it apart?", command=True) == ""
+
+
 def test_its_own_yes_is_no_answer() -> None:
     own = "Say yes, no, or what to change."
     assert of_others("yes", own) == ""

@@ -1,0 +1,152 @@
+"""Whole visits by voice alone, from the sound in the room to what stands in the cell.
+
+People speak into a virtual microphone, which also hears the cell's own voice; the page is open in a
+real browser; the cell is emulated at the wire. What the page shows and what the world holds are
+both compared with what was said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+import pytest
+
+from tests.cell.spoken import ECHO_DB, People, hearing, people, said, wait_for_ears
+from tests.kiosk.harness import OpenPage, Visit, visit
+
+pytestmark = pytest.mark.wire
+
+SPEED = 15.0
+QUESTION = "Shall I build it?"
+
+
+@dataclass(frozen=True)
+class Plot:
+    """What a visitor says, and what must come of it."""
+
+    wish: str
+    title: str
+    change: str
+    new_title: str
+
+
+SHORT = Plot("the letter T", "Letter T", "the letter L", "Letter L")
+PLOTS: dict[Literal["open", "wake_word"], tuple[Plot, ...]] = {
+    "open": (
+        Plot("a simple stool", "Stool", "a small bench", "bench"),
+        Plot("the letter X", "Letter X", "the letter T", "Letter T"),
+        Plot("make me a coffee table", "coffee table", "a table with one leg", "table"),
+        Plot("I want a chair", "chair", "make it taller", "chair"),
+        Plot("build me an arch", "arch", "make a cross", "cross"),
+    ),
+    "wake_word": (
+        Plot("the letter A", "Letter A", "the letter T", "Letter T"),
+        Plot("a side table", "side table", "a simple stool", "Stool"),
+        Plot("a shelf with two tiers", "shelf", "a simple box", "box"),
+        Plot("I want a small bench", "bench", "make it wider", "bench"),
+        Plot("could you build a tower", "tower", "the letter L", "Letter L"),
+    ),
+}
+
+
+class Visitor:
+    """Somebody who speaks to the cell and looks at its page."""
+
+    def __init__(self, there: Visit, people: People, page: OpenPage, *, wakes: bool) -> None:
+        self.there = there
+        self.cell = there.cell
+        self.people = people
+        self.page = page
+        self._wakes = wakes
+
+    def ask(self, sentence: str) -> None:
+        """Say a wish or a change, after the wake word where it needs one."""
+        if self._wakes:
+            self.people.say("hey mycroft")
+            self.cell.wait("the wake word", lambda now: now.ears.state == "recording")
+        self.people.say(sentence)
+
+    def is_asked(self, title: str) -> None:
+        """Wait until the cell asks about this, aloud and on the page, in the same words."""
+        asked = self.cell.wait(
+            f"a question about {title}",
+            lambda now: (
+                now.state.state == "validating_confirming"
+                and now.dialogue.line is not None
+                and title.lower() in now.dialogue.line.text.lower()
+            ),
+        )
+        assert asked.dialogue.line is not None
+        text = asked.dialogue.line.text
+        assert QUESTION in text
+        self.page.phase("asking")
+        self.page.says(text)
+        self.cell.wait("those words", lambda now: text in now.voice.saying or text in self.said())
+
+    def said(self) -> list[str]:
+        """What the cell said aloud."""
+        return said(self.cell)
+
+    def builds(self, plot: Plot) -> None:
+        """The visit: a wish, another one, a yes, and apart again."""
+        self.page.phase("ready", "done")
+        self.ask(plot.wish)
+        self.is_asked(plot.title)
+        self.page.says(plot.wish)  # what was heard
+        self.ask(plot.change)
+        self.is_asked(plot.new_title)
+        assert self.cell.truth().built == ()  # nothing moves without a yes
+        self.people.say("yes")  # while it still speaks, perhaps
+        self.page.phase("building")
+        assert self.cell.finish().outcome == "built"
+        self.page.phase("done")
+        self.cell.assert_as_planned()
+        parts = len(self.cell.truth().built)
+
+        self.ask("take it apart")
+        self.page.phase("asking")
+        self.page.says("Shall I take it apart?")
+        assert len(self.cell.truth().built) == parts
+        self.people.say("yes")
+        self.page.phase("taking_apart")
+        assert self.cell.finish().outcome == "taken_apart"
+        self.page.phase("ready")
+        truth = self.cell.truth()
+        assert truth.built == ()
+        assert truth.violations == ()
+        self.cell.assert_inventory_true()
+
+
+@contextmanager
+def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
+    """A visitor before a cell that speaks, and hears itself."""
+    sections = hearing(activation, SPEED, loudspeaker="spk")
+    with people(echo_db=ECHO_DB) as speakers, visit(speed=SPEED, **sections) as there:
+        plots = PLOTS[activation]
+        speakers.prepare("hey mycroft", "yes", "take it apart", SHORT.wish, SHORT.change)
+        speakers.prepare(*(plot.wish for plot in plots), *(plot.change for plot in plots))
+        with there.open() as page:
+            wait_for_ears(there.cell)
+            there.cell.wait("a voice", lambda now: now.voice.state == "quiet")
+            yield Visitor(there, speakers, page, wakes=activation == "wake_word")
+            assert page.problems == []
+            assert page.elsewhere == []
+
+
+def test_a_visit_by_voice_alone() -> None:
+    with spoken_visit("open") as visitor:
+        visitor.builds(SHORT)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("activation", ["open", "wake_word"])
+def test_ten_different_visits(activation: Literal["open", "wake_word"]) -> None:
+    with spoken_visit(activation) as visitor:
+        for plot in PLOTS[activation]:
+            visitor.cell.begin_test()
+            visitor.builds(plot)
+            print(f"{plot.wish}, {plot.change}: built and taken apart")  # noqa: T201
