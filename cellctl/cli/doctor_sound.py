@@ -17,7 +17,7 @@ _LIST_DEVICES = (
     "import json, sys; from cellctl.sound.portaudio import listed; "
     "from cellctl.sound.server import sinks, sources; "
     "served = sources() if sys.argv[1] == 'input' else sinks(); "
-    "print(json.dumps([*listed(sys.argv[1]), *(s.description for s in served)]))"
+    "print(json.dumps([*listed(sys.argv[1]), *(f'{s.description} ({s.name})' for s in served)]))"
 )
 _TIMEOUT_S = 15.0
 

@@ -88,6 +88,10 @@ def _show(console: Console, snapshot: Snapshot) -> None:
     table.add_row("[bold]ears[/]", f"{ears}; recogniser: {snapshot.recogniser}")
     if snapshot.ears.sentence:
         table.add_row("", snapshot.ears.sentence)
+    voice = snapshot.voice
+    table.add_row("[bold]voice[/]", f"{voice.state} {voice.device} {voice.voice}".strip())
+    if voice.notice is not None:
+        table.add_row("", f"{voice.sentence} {voice.notice.remedy}".strip())
     blocked_ms = snapshot.health.loop_blocked_p99_s * 1000
     table.add_row("[bold]daemon[/]", f"control loop blocked for {blocked_ms:.1f} ms at most (p99)")
     console.print(table)

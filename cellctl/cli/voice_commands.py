@@ -80,10 +80,9 @@ def _speak(wanted: str, voice: str, volume: float, text: str, language: str) -> 
     )
     from cellctl.speaking.repertoire import Repertoire  # noqa: PLC0415 - loads scipy
 
-    repertoire = Repertoire(voice, volume, language)
-    repertoire.sound(text, language)  # loads the voice
     loudspeaker = Loudspeaker(wanted)
     try:
+        repertoire = Repertoire(voice, volume, language)
         samples = repertoire.sound(text, language)
         deadline_s = time.monotonic() + _PATIENCE_S + len(samples) / RATE_HZ
         loudspeaker.play(samples)

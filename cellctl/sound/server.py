@@ -19,7 +19,7 @@ from cellctl.assembly import Value
 
 T = TypeVar("T")
 
-_TIMEOUT_S = 1.0
+_TIMEOUT_S = 2.0
 ASK_EVERY_S = 0.7
 """How often the sound server is asked what is recorded or played (wall time)."""
 
