@@ -1,6 +1,6 @@
 """How well requests are understood: ``python -m benchmarks.requests [--verbose]``.
 
-Reads three sets and prints how often the embedded back end is right, how long it takes for a
+Reads four sets and prints how often the embedded back end is right, how long it takes for a
 sentence, and what memory the process has:
 
 - ``$CELLCTL_TEST_DATA/requests/dev.jsonl``: sentences with gold answers, by split; the decision
@@ -8,7 +8,9 @@ sentence, and what memory the process has:
 - ``sentences/everyday_*.txt``: what people say to assistants and to each other, and no request.
 - ``sentences/wishes.txt``: plain wishes for objects, each with the phrases that are right for it.
 
-Of the last two every second sentence ("held out") was left unseen until the rules stood.
+- ``sentences/unseen.txt``: sentences of every kind with intent and right phrases.
+
+Of the middle two every second sentence ("held out") was left unseen until the rules stood.
 """
 
 from __future__ import annotations
@@ -115,6 +117,28 @@ def wishes(verbose: bool) -> None:
         sys.stdout.write(f"phrase right {100 * right[half] / number:.1f} %\n")
 
 
+def unseen(verbose: bool) -> None:
+    """Sentences of every kind, their gold answers written before any of them was tried."""
+    right: Counter[str] = Counter()
+    total = 0
+    for line in _lines("unseen.txt"):
+        text, intent, phrases = (part.strip() for part in line.split("|"))
+        total += 1
+        request = understand(text)
+        gold = {"phrase": phrases.split("/"), "intent": intent, "count": request.count}
+        verdict = judge(gold, request)
+        right.update(aspect for aspect, good in verdict.items() if good)
+        if verbose and not all(verdict.values()):
+            sys.stdout.write(
+                f"{text!r}: {request.intent.value}, {request.phrase!r}; "
+                f"not {intent}, {phrases}; {request.why}\n"
+            )
+    figures = ", ".join(
+        f"{aspect} {100 * right[aspect] / total:.0f} %" for aspect in ("decision", "phrase", "intent")
+    )
+    sys.stdout.write(f"unseen, {total} of every kind: {figures}\n")
+
+
 def _lines(pattern: str) -> list[str]:
     texts = [path.read_text(encoding="utf-8") for path in sorted(SENTENCES.glob(pattern))]
     return [line.strip() for text in texts for line in text.splitlines() if line.strip()]
@@ -161,6 +185,7 @@ def main() -> int:
     gold_answers(Path(folder), options.verbose)
     everyday(options.verbose)
     wishes(options.verbose)
+    unseen(options.verbose)
     ordered = sorted(_times_s)
     sys.stdout.write(
         f"{len(ordered)} sentences: median {1e3 * statistics.median(ordered):.2f} ms, "

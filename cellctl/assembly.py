@@ -91,7 +91,7 @@ class Edit(Value):
     """What it is about, as it was said, singular (``leg``, ``shelf``); empty for all of it."""
     attribute: str = ""
     """What designs call that: ``legs``, ``tiers``, ``back``, ``colour``, ``count``, ``strength``,
-    ``roundness``, ``simplicity``, ``weight``; empty for a size."""
+    ``roundness``, ``simplicity``, ``weight``, ``looks``; empty for a size."""
     axis: Literal["width", "depth", "height", "length"] | None = None
     """Of a size; ``length`` is the longer side, or a part's own. None is every axis alike."""
     direction: Literal["+", "-"] | None = None

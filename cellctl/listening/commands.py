@@ -5,6 +5,7 @@ Stop and pause must work when everything else is confused, so nothing here guess
 
 from __future__ import annotations
 
+import itertools
 import re
 
 _SENTENCES: dict[str, tuple[str, ...]] = {
@@ -47,7 +48,7 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("rather not", "let's not", "not that", "no not that", "not that one", "that's wrong"),
         *("no that's wrong", "that's not right", "no that's not right", "that's not it"),
         *("that's not what i said", "that's not what i want", "that's not what i meant"),
-        *("i don't want that", "negative"),
+        *("i don't want that", "negative", "leave it", "no leave it", "nah leave it", "skip it"),
     ),
     "take_apart": (
         *("take it apart", "take it apart again", "take that apart", "take it down"),
@@ -88,6 +89,9 @@ _POLITE = frozenset(
 )  # fmt: skip
 """Words that change nothing when they stand before or after a control word."""
 _AGREEING = frozenset({"yes", "yeah", "yep", "sure", "ok", "okay", "alright"})
+_YES = frozenset({"yes", "yeah", "yep", "yup"})
+_GO = frozenset({"go ahead", "do it", "build it", "start building", "please do"})
+_WARNING = frozenset({"no", "oh", "hey", "wait", "whoa", "ah"})
 _ASKED = re.compile(
     r"^(?:(?:can|could|would|will) you(?: please)?|i said|i want you to|let's|all right|"
     r"you (?:can|should|must|have to|need to))(?= )"
@@ -117,9 +121,24 @@ def spoken_command(text: str) -> str | None:
             words = words[:1]  # "stop stop stop"
         if (name := _BY_SENTENCE.get(" ".join(words))) is not None:
             return name
+    return _with_more(plain.split())
+
+
+def _with_more(words: list[str]) -> str | None:
+    """A command with a word before it that only adds to it: "no no stop it", "yes ... go ahead"."""
+    if not words:
+        return None
+    first = words[0]
+    if first in _WARNING:
+        rest = " ".join(itertools.dropwhile(_WARNING.__contains__, words))
+        name = _BY_SENTENCE.get(rest)
+        if name in ("stop", "pause"):
+            return name
+    if first not in _AGREEING:
+        return None
     # "yes please", "sure okay": polite words alone, of which the first agrees.
-    agrees = plain.split()[:1] and plain.split()[0] in _AGREEING
-    return "yes" if agrees and set(plain.split()) <= _POLITE else None
+    agrees = set(words) <= _POLITE or (first in _YES and " ".join(words[-2:]) in _GO)
+    return "yes" if agrees else None
 
 
 def _unasked(sentence: str) -> str:

@@ -8,7 +8,11 @@ from typing import Literal
 
 from cellctl.listening.lexicon import LEXICON
 
-_MAKE = f"(?:{'|'.join(sorted(LEXICON.verbs))}|put together|come up with|three d print|3 d print)"
+_UP = (
+    "put together|come up with|put up|(?:whip|knock|rustle) up|throw together|"
+    "(?:try your hand|have a go) at"
+)
+_MAKE = f"(?:{'|'.join(sorted(LEXICON.verbs))}|{_UP}|three d print|3 d print)"
 _MAKING = f"(?:{'|'.join(sorted(LEXICON.gerunds))}|putting together|starting|beginning)"
 _FOR_ME = (
     r"(?: for (?:me|us|him|her|them|my \w+|our \w+))?(?: please)?"
@@ -26,16 +30,20 @@ _WANT = (
 )
 _GET = r"(?:get|give|bring|fetch|hand|lend|show|grant)"
 _POLITE = (
-    r"(?:can|could|would|will|won't|can't|couldn't) you(?: please)?(?: just| maybe| possibly)?"
+    r"(?:can|could|would|will|won't|can't|couldn't) (?:you|the robot(?: arm)?)(?: please)?"
+    r"(?: just| maybe| possibly)?"
 )
 _NICE = "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing)"
 _LEADS = re.compile(
-    r"(?:(?:i think|i guess|i suppose|i mean|you know|now|then|and|so|but|next|first|also|today|"
+    r"(?:(?:i think|i guess|i suppose|i reckon|i mean|you know what|you know|guess what|"
+    r"nothing (?:fancy|special)|do (?:me|us) a favou?r and|"
+    r"how (?:hard|difficult) (?:would it be|is it)(?= to\b)|"
+    r"now|then|and|so|but|next|first|also|today|"
     r"this time|for now|alright|all right|yeah|yes|great|cool|listen|look|"
     r"attention|dear \w+|no(?= (?:an?|the|i|make|build|give)\b)|"
     r"if you (?:can|could|would|don't mind)(?: please)?|if possible|if it's possible|"
-    r"i (?:was|am|'m) (?:hoping|wondering|thinking)(?: of| about| if| whether| that)?|"
-    r"i'm (?:hoping|wondering|thinking)(?: of| about| if| whether| that)?|"
+    r"i (?:was|am|'m) (?:hoping(?! for\b)|wondering|thinking)(?: of| about| if| whether| that)?|"
+    r"i'm (?:hoping(?! for\b)|wondering|thinking)(?: of| about| if| whether| that)?|"
     r"i wonder (?:if|whether)|i hope|"
     r"i (?:would|'d) (?:be happy|be glad|appreciate it|love it) if|i'd (?:be happy|be glad|"
     r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if"
@@ -61,7 +69,11 @@ _FRAMES = _frames(
         rf"{_MAKES}",
     ),
     ("having", rf"{_WHO} ?{_WANT} to (?:have|order|get|own)"),
-    ("having", rf"{_WHO} ?(?:would|'d) (?:like|love) to see(?= an? )"),
+    ("having", rf"{_WHO} ?(?:would like|would love|'d like|'d love|wants?) to see(?= an? )"),
+    ("having", rf"{_WHO} ?(?:asks|asked|(?:was|were) (?:asking|hoping|longing)) for(?= an? )"),
+    ("having", rf"{_WHO} ?(?:would|'d) be (?:happy|glad|pleased|delighted) with"),
+    ("having", r"surprise (?:me|us|my \w+|our \w+|them) with"),
+    ("having", r"(?:it's |it is )?(?:high )?time for(?= an? )"),
     ("having", rf"{_WHO} ?{_WANT}(?! to\b| you\b| it\b| that\b| this\b)"),
     ("having", r"i feel like(?: having)?"),
     ("having", rf"{_WHO} ?{_WANT} to (?:place|make) an order for"),
@@ -76,13 +88,13 @@ _FRAMES = _frames(
     ("having", r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get)"),
     ("making", rf"{_POLITE} do(?= an? | the (?:letter|number))"),
     ("making", rf"(?:can|could|may|might) (?:i|we) (?:have|get|ask) you to {_MAKES}"),
-    ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:have|get)"),
+    ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:have|get|request|order|ask for)"),
     ("making", rf"(?:would|do) you mind {_MAKING}{_FOR_ME}"),
     ("making", rf"(?:start|begin|try|consider) {_MAKING}{_FOR_ME}"),
     ("making", rf"{_MAKING}{_FOR_ME}"),
     (
         "having",
-        r"(?:let me|let us|let's) (?:have|get|see|try|do|go (?:with|for))"
+        r"(?:let me|let us|let's) (?:have(?: a go at)?|get|see|try|do|go (?:with|for))"
         r"(?= an? | the (?:letter|number))",
     ),
     ("making", rf"(?:let me|let us|let's) (?:try to )?{_MAKES}"),
@@ -107,7 +119,7 @@ _FRAMES = _frames(
     ("having", r"(?:we're|i'm) (?:begging for|asking for|longing for|missing)"),
     ("having", r"(?:let's |let us )?(?:start|begin) with(?= an? | the )"),
     ("having", r"(?:i am|i'm) (?:in need of|in the mood for|craving|dying for)"),
-    ("having", r"(?:i|we) (?:will|'ll) (?:have|take|go (?:with|for))(?= an? )"),
+    ("having", r"(?:i|we) ?(?:will|'ll|would|'d) (?:have|take|go (?:with|for))(?= an? )"),
     ("having", r"show (?:me|us)(?= an? )"),
     ("having", r"(?:get|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
@@ -125,9 +137,18 @@ _RETELLS = re.compile(
     r"feel)\w+"
 )
 _NICE_TO_HAVE = re.compile(
-    rf"(?P<wish>(?:an?|some|two|three) .+) would be (?:so |really |very )?{_NICE}(?: .+)?"
+    rf"(?P<wish>(?:an?|some|two|three) .+) would (?:be|look) (?:so |really |very )?{_NICE}(?: .+)?"
 )
 _ONE_OF = re.compile(r"^(?:like an? |one of (?:those|these|the|your) )")
+_AS_CAN_BE = re.compile(
+    r"as (?P<size>\w+) (?P<thing>an? .+?) as (?:possible|can be|it gets|(?:you|we|it) .+)"
+)
+_ASIDE = re.compile(
+    r" (?:don't you think|right|for fun|mate|buddy|pal|dude|bro|"
+    r"if (?:you can(?: manage)?|you like|possible|(?:that's|that is|it's) "
+    r"(?:ok|okay|alright|all right|possible|not too much)))$"
+)
+"""What is said after a wish, and is no part of it."""
 _PICTURE = re.compile(
     r"(?:an?|the) (?:\w+ ){0,4}(?:photo|photograph|picture|image|render|rendering|drawing|sketch|"
     r"painting) of(?= )"
@@ -178,6 +199,8 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     text = " ".join(plain_words(words))
     while (match := _LEADS.match(text)) and not _POSSIBLE.match(text):
         text = text[match.end() :]
+    while match := _ASIDE.search(text):
+        text = text[: match.start()]
     kind: Kind = "bare"
     of_speaker = False
     for name, pattern in _FRAMES:
@@ -188,6 +211,9 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
         kind, text = "having", match["wish"]
     text = _ONE_OF.sub("a ", text)
+    if match := _AS_CAN_BE.fullmatch(text):
+        article, _, thing = match["thing"].partition(" ")
+        text = f"{article} {match['size']} {thing}"
     for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
         if match := inner.match(text):
             text = text[match.end() :].strip()

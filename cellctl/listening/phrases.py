@@ -115,6 +115,8 @@ def _is_noun_here(words: Sequence[str], start: int, index: int) -> bool:
     if words[index] == "and" and index > start:  # "a red and blue box"
         return {words[index - 1], *words[index + 1 : index + 2]} <= _PAIRED
     following = words[index + 1 : index + 2]
+    if words[index] == "next":
+        return following != ["to"]
     return words[index] == "can" and index > start and (not following or following[0] in _AFTER_CAN)
 
 

@@ -27,7 +27,7 @@ from cellctl.listening.lexicon import LEXICON
 from cellctl.listening.phrases import NounPhrase, read_phrase, repair
 from cellctl.listening.snapping import snap
 from cellctl.listening.understanding.edits import Editing, read_edits
-from cellctl.listening.understanding.hints import hints_of, meant_by, question_of
+from cellctl.listening.understanding.hints import hints_of, meant_by, object_for, question_of
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
 from cellctl.listening.understanding.judging import Judgement, acts_at
 from cellctl.listening.understanding.policy import refusal_of
@@ -116,6 +116,9 @@ def tokens(text: str) -> list[str]:
 
 def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
     wish = _spell_out(frame.rest)
+    if purpose := object_for(wish):
+        # What it is for leaves no doubt about what it is.
+        wish = ("a", *purpose.split())
     sizes = read_sizes(wish, setting.pitch_m)
     phrase = read_phrase(wish, sizes.spans)
     if phrase is not None and phrase.determiner and (doing := acts_at(phrase.core)) is not None:

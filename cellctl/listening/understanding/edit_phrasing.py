@@ -40,6 +40,13 @@ _REWRITES = tuple(
         ),
         (rf"(?:{_WANT}|there should be|there must be) (?P<rest>.+) on it", "add {rest}"),
         (rf"(?:can|could|should|may|would) {_IT} be (?P<rest>.+)", "make {it} {rest}"),
+        (
+            rf"(?:i'd|i would) (?:rather|prefer) {_IT} had (?P<rest>.+)",
+            "with {rest}",
+        ),
+        (rf"(?:make|have) {_IT} look (?P<rest>.+)", "make {it} {rest}"),
+        (rf"(?:bring|move|put) {_IT} down(?P<rest>.*)", "lower {it}{rest}"),
+        (rf"(?:bring|move|put) {_IT} up(?P<rest>.*)", "raise {it}{rest}"),
         (r"scale (?:it|that|this) up(?P<rest>.*)", "enlarge it{rest}"),
         (r"scale (?:it|that|this) down(?P<rest>.*)", "shrink it{rest}"),
         (r"(?P<rest>.+) than (?:that|this|it is|it was|before|now)", "{rest}"),

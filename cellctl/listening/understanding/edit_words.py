@@ -65,6 +65,9 @@ COMPARATIVES = {
         }
     ),
     **dict.fromkeys(("stronger", "sturdier", "stabler"), Trait(None, "+", "strength")),
+    **dict.fromkeys(
+        ("nicer", "prettier", "better", "fancier", "cooler", "cuter"), Trait(None, "+", "looks")
+    ),
     "rounder": Trait(None, "+", "roundness"),
     "simpler": Trait(None, "+", "simplicity"),
     "heavier": Trait(None, "+", "weight"),

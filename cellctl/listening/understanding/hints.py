@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Literal
 
@@ -10,6 +11,13 @@ from cellctl.listening.understanding.interpreter import Setting
 from cellctl.listening.understanding.talk import talk
 
 Hint = Literal["too_small", "too_big", "too_many"]
+
+
+_PURPOSE = re.compile(
+    r"(?:something|anything|(?:a|some|any)(?: \w+)? thing)(?: \w+)? to .+ "
+    r"(?P<where>on|onto|in|into)"
+)
+_HOLLOW = frozenset({"box"})
 
 
 def hints_of(
@@ -61,10 +69,26 @@ def question_of(objects: Sequence[str], count: int, *, either: bool) -> str:
 
 def meant_by(words: Sequence[str]) -> str:
     """What somebody may mean who wants "something to sit on"; empty when nothing comes to mind."""
+    meant = _meant(words)
+    return f"Do you mean {meant}?" if meant else ""
+
+
+def object_for(words: Sequence[str]) -> str:
+    """The one object that a purpose leaves: ``something to hang coats on`` is a coat rack.
+
+    Empty where several would do, or none comes to mind.
+    """
+    purpose = _PURPOSE.fullmatch(" ".join(words))
+    if purpose is None:
+        return ""
+    objects = [each.split(" ", 1)[1] for each in re.split(r", | or ", _meant(words)) if each]
+    if purpose["where"] in ("in", "into"):
+        objects = [each for each in objects if each in _HOLLOW]
+    return objects[0] if len(objects) == 1 else ""
+
+
+def _meant(words: Sequence[str]) -> str:
     text = f" {' '.join(words)} "
     if " to " not in text and " for " not in text and " where " not in text:
         return ""
-    for said, meant in talk().affordances.items():
-        if f" {said} " in text:
-            return f"Do you mean {meant}?"
-    return ""
+    return next((m for said, m in talk().affordances.items() if f" {said} " in text), "")
