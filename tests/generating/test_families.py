@@ -42,8 +42,8 @@ WANTED = {
     *("letter", "dog", "cat", "horse", "elephant", "person", "tree"),
 }
 
-BY_THE_PAPER = {"shelf", "table"}
-"""They have the paper's sizes, which are changed on the way to a plan, as in the paper."""
+BY_THE_PAPER = {"shelf"}
+"""It has the paper's size, which is changed on the way to a plan, as in the paper."""
 
 COUNTERS: dict[tuple[str, str], Callable[[Cells], int]] = {
     **{(family.name, "legs"): feet for family in FAMILIES if "legs" in family.takes},

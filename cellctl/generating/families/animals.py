@@ -46,6 +46,8 @@ class Measures:
     """A sheep's back is round: its corners are cut."""
     mane: bool = False
     """A lion's: its head is larger by a row above and below."""
+    splayed: bool = False
+    """A turtle's: legs stand beside its body, each under a flipper, and its head is narrow."""
     crest: bool = False
     """A unicorn's mane, behind its head."""
 
@@ -106,7 +108,7 @@ ANIMALS: dict[str, tuple[tuple[str, ...], Measures]] = {
     ),
     "turtle": (
         ("turtle", "tortoise"),
-        Measures(legs=1, head="low", snout=0, ears=0, carapace=2, tail="none"),
+        Measures(legs=1, head="low", snout=0, ears=0, carapace=2, tail="out", splayed=True),
     ),
 }
 """Nouns and measures, by family."""
@@ -131,7 +133,8 @@ def _maker(name: str, usual: Measures) -> Callable[[Brief], Design]:
 def _cells(it: Measures, body: int, legs: int) -> set[tuple[int, int, int]]:
     """The cells of an animal, its minimum corner at the origin."""
     top = legs + it.belly  # the first layer above its back
-    cells = {(x, y, z) for x in (0, body - 1) for y in (0, 2) for z in range(legs)}
+    sides, below = ((-1, _DEPTH), legs + 1) if it.splayed else ((0, 2), legs)
+    cells = {(x, y, z) for x in (0, body - 1) for y in sides for z in range(below)}
     cells |= {(x, y, z) for x in range(body) for y in range(_DEPTH) for z in range(legs, top)}
     if it.woolly:
         cells -= {(x, y, top - 1) for x in (0, body - 1) for y in (0, 2)}
@@ -152,7 +155,7 @@ def _head(it: Measures, top: int) -> set[tuple[int, int, int]]:
     at = -1 if before else 0
     level = top - 1 if before else top + it.neck
     cells = {(at, _MID, z) for z in range(top, level)}
-    across = (_MID,) if it.head == "narrow" else range(_DEPTH)
+    across = (_MID,) if it.head == "narrow" or it.splayed else range(_DEPTH)
     cells |= {(at, y, level) for y in across}
     above = level + 1
     if it.head == "deep":

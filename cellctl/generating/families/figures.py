@@ -37,13 +37,14 @@ def robot(brief: Brief) -> Design:
 
 
 def bear(brief: Brief) -> Design:
-    """Upright on its hind legs: round ears, a snout, a broad belly."""
+    """A teddy bear: ears on the corners of a broad head, a snout, arms, and broad feet."""
     brief.count("legs", 2)
-    rows = (".#.#.", ".###.", "#####", ".###.", ".###.", ".#.#.")
-    _, depth, height = brief.size(5, 3, 6, least=(5, 3, 5))
-    drawn = (*rows[:3], *at_height(rows[3:], height - 3))
-    snout = Box(2, 0, height - 2, 1, depth - 2, 1)
-    return Design(brief.noun, (*standing(drawn, 2, y=depth - 2), snout))
+    _, depth, height = brief.size(5, 3, 5, least=(5, 3, 5))
+    rows = ("#####", *(".###.",) * (height - 3), "##.##")
+    front = depth - 2
+    body = standing(rows, 2, y=front)
+    beside = [Box(x, front, z, 1, 1, 1) for x in (0, 4) for z in (height - 1, height - 3)]
+    return Design(brief.noun, (*body, *beside, Box(2, front - 1, height - 2, 1, 1, 1)))
 
 
 def snake(brief: Brief) -> Design:

@@ -21,7 +21,7 @@ def tree(brief: Brief) -> Design:
 
 def fir(brief: Brief) -> Design:
     """A short trunk with boughs that are shorter the higher they are."""
-    return _grown(brief, trunk=1, crown=(_DIAMOND, _SQUARE, _PLUS, _PLUS, _DOT))
+    return _grown(brief, trunk=1, crown=(_DIAMOND, _SQUARE, _PLUS, _DOT, _DOT))
 
 
 def mushroom(brief: Brief) -> Design:

@@ -8,13 +8,15 @@ from cellctl.generating.families.brief import Brief, Count, Design, Family, coun
 from cellctl.generating.families.legs import MOST_LEGS, TOP_SIZES, columns, legged_top, posts
 
 _TABLE_HEIGHT = 6
-"""The height of the paper's table, in cells."""
+"""The height of the paper's table, which stands on one leg, in cells."""
+_USUAL_TOP = (5, 4, 4)
+"""What a table is unless told otherwise: wider than high, which tells it from a stool."""
 
 
 def table(brief: Brief) -> Design:
-    """A top four cells square on four legs, or on as many as asked for."""
+    """A top on four legs, or on as many as asked for."""
     legs = brief.count("legs", 4)
-    width, depth, height = TOP_SIZES[legs]
+    width, depth, height = _USUAL_TOP if legs == 4 else TOP_SIZES[legs]
     if legs == 1:
         width = depth = 4
     if height >= 5:

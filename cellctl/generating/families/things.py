@@ -95,12 +95,13 @@ def lorry(brief: Brief) -> Design:
 
 
 def rocket(brief: Brief) -> Design:
-    """Four fins about a round body with a tip."""
+    """Four swept fins, on whose ends and nozzle it stands, about a round body with a tip."""
     height = brief.size(5, 5, 6, least=(5, 5, 4))[2]
+    ends = ("..#..", ".....", "#.#.#", ".....", "..#..")
     fins = ("..#..", "..#..", "#####", "..#..", "..#..")
     body = (".....", "..#..", ".###.", "..#..", ".....")
     tip = (".....", ".....", "..#..", ".....", ".....")
-    return Design(brief.noun, stacked((fins, *((body,) * (height - 3)), tip, tip)))
+    return Design(brief.noun, stacked((ends, fins, *((body,) * (height - 3)), tip)))
 
 
 def ball(brief: Brief) -> Design:
