@@ -134,7 +134,8 @@ def unseen(verbose: bool) -> None:
                 f"not {intent}, {phrases}; {request.why}\n"
             )
     figures = ", ".join(
-        f"{aspect} {100 * right[aspect] / total:.0f} %" for aspect in ("decision", "phrase", "intent")
+        f"{aspect} {100 * right[aspect] / total:.0f} %"
+        for aspect in ("decision", "phrase", "intent")
     )
     sys.stdout.write(f"unseen, {total} of every kind: {figures}\n")
 

@@ -40,6 +40,9 @@ async def take_change(cell: Cell, utterance: Utterance, role: Role) -> str:
         raise RefusedError(request.refusal, _HINT)
     if request.intent not in (Intent.DESIGN, Intent.EDIT):
         raise RefusedError(request.ask or "I asked whether to build it.", _HINT)
+    if request.edits and all(edit.attribute == "looks" for edit in request.edits):
+        # No description knows what is nicer; whoever asks for it can choose.
+        return await take_another(cell, role)
     await cell.controller.command(
         Event.CHANGE,
         lambda: job.begin_change(request),

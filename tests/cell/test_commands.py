@@ -88,7 +88,7 @@ def test_another_shape_is_shown_until_there_is_none(idle: RunningCell) -> None:
     first = asked(idle, "Letter T", "Shall I build it?")
     assert "another" in idle.visitor.say("something different please").message
     second = asked(idle, "Here is another one. Letter T")
-    idle.visitor.command("another")
+    assert "another" in idle.visitor.say("make it look nicer").message
     third = asked(idle, "Here is another one. Letter T", " x 50 cm")
     assert len({first, second, third}) == 3
     last = third

@@ -94,7 +94,10 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
     around = set(after)
     if around & words.times or around & words.places:
         return "it names a time or a place, as errands do"
-    if around & words.elsewhere or {singular(word) for word in around} & words.elsewhere:
+    # "A step ladder for the library" is no errand.
+    for_a_room = not asked and after[:2] == ["for", "the"] and LEXICON.is_physical(head)
+    named = around | {singular(word) for word in around}
+    if named & words.elsewhere and not for_a_room:
         return "it speaks of services"
     if after[:1] == ["for"] and set(after[1:2]) & _PEOPLE and set(after[2:3]) <= _AFTER_PEOPLE:
         return "it reserves a place for people"
@@ -110,7 +113,7 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
         return ""
     if head in words.served and (asked or determiner not in ("a", "an")):
         return f"a {head} is served or ordered, not built"
-    entry = look_up(head)
+    entry = look_up(" ".join([*core[-2:-1], head])) or look_up(head)  # a "coffee maker" is no maker
     if asked and entry is not None and entry.kind in _EDIBLE:
         return f"a {head} is eaten or used up, not built"
     if asked and entry is not None and entry.kind in "pb" and LEXICON.is_physical(head) is not True:
