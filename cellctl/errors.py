@@ -287,6 +287,20 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         ),
     ),
     FaultEntry(
+        code="contact_early",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="The part in the gripper met something above its seat; it is still in the gripper.",
+        causes=(
+            "Something lies or stands on the cell that nobody told of.",
+            "A part below stands higher than it should, or the workspace's frame is off in height.",
+        ),
+        remedy=(
+            "Reset, move up with `cellctl hand rise`, and look. Take away what is in the way, or "
+            "correct the frame; then resume."
+        ),
+    ),
+    FaultEntry(
         code="part_stuck",
         severity=Severity.HELD,
         policy=Policy.HOLD,

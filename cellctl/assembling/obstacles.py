@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -73,12 +73,14 @@ class Obstacles:
         names: one for each box.
         low: n x 3 minimum corners in the frame, in metres.
         high: n x 3 maximum corners.
+        passed_over: routes may pass over them; else they only keep clear.
     """
 
     frame_from_base: Matrix
     names: tuple[str, ...]
     low: Floats
     high: Floats
+    passed_over: bool = True
 
     def touched(
         self,
@@ -250,6 +252,14 @@ class Surroundings:
                 ),
             )
         )
+        walls: dict[str, tuple[Vector, Vector]] = {
+            f"the wall {number}": (box[:3], box[3:])
+            for number, box in enumerate(config.walls.boxes_m, start=1)
+        }
+        if walls:
+            # As high as a wall is no arm goes, and a beam has room below.
+            boxes = replace(_boxes(inverse(base), walls), passed_over=False)
+            self._fixed = (*self._fixed, boxes)
         self._station = _boxes(
             feeder_from_base,
             {
@@ -279,12 +289,14 @@ def joined(groups: Iterable[Obstacles]) -> tuple[Obstacles, ...]:
     for group in groups:
         for i, other in enumerate(found):
             shift = other.frame_from_base @ inverse(group.frame_from_base)
-            if np.abs(shift[:3, :3] - np.eye(3)).max() < _ALIGNED:
+            alike = other.passed_over is group.passed_over
+            if alike and np.abs(shift[:3, :3] - np.eye(3)).max() < _ALIGNED:
                 found[i] = Obstacles(
                     other.frame_from_base,
                     (*other.names, *group.names),
                     np.concatenate([other.low, group.low + shift[:3, 3]]),
                     np.concatenate([other.high, group.high + shift[:3, 3]]),
+                    group.passed_over,
                 )
                 break
         else:

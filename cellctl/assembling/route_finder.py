@@ -118,7 +118,7 @@ class RouteFinder:
         points, rotations = self._checker.tcp_between(start, *ends)
         heights = points @ self._frames.cell_from_base[2, :3] + self._frames.cell_from_base[2, 3]
         wanted = crossing.wishes(
-            scene.obstacles,
+            [group for group in scene.obstacles if group.passed_over],
             scene.bodies,
             points,
             rotations,

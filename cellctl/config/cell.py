@@ -23,6 +23,7 @@ from cellctl.config.place import (
     StabilitySection,
     ToolSection,
     VoxelSection,
+    WallsSection,
     WorkspaceSection,
 )
 from cellctl.config.section import Section
@@ -45,6 +46,7 @@ class CellConfig(Section):
     workspace: WorkspaceSection
     base: BaseSection
     pedestal: PedestalSection
+    walls: WallsSection = WallsSection()
     tool: ToolSection
     voxel: VoxelSection
     limits: LimitsSection

@@ -58,6 +58,9 @@ class RobotSection(Section):
     gripper is felt to be free after letting go; 0 feels nothing."""
     touch_force_n: Annotated[float, Field(gt=0.0, le=50.0)] = 6.0
     """What must be felt there to count as touching."""
+    early_force_n: Annotated[float, Field(gt=0.0, le=100.0)] = 35.0
+    """A part that is pressed up with more, on its way down or where it is pressed on, has met
+    something too early."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
     """The controller stops the arm when it hears nothing for one period of this."""
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0

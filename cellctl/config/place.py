@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from cellctl.config.section import NotNegative, Pose, Positive, Section, Vector
 
@@ -43,6 +43,22 @@ class PedestalSection(Section):
     """Centre of its top face."""
     size_m: tuple[Positive, Positive, Positive]
     """Along x, y and z."""
+
+
+class WallsSection(Section):
+    """What else stands around the arm and does not move: walls, fences, cabinets."""
+
+    boxes_m: tuple[tuple[float, float, float, float, float, float], ...] = ()
+    """For each the smallest x, y and z and the largest x, y and z that it takes up, in the cell
+    frame: an obstacle."""
+
+    @field_validator("boxes_m")
+    @classmethod
+    def _ordered(cls, boxes: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+        for box in boxes:
+            if not all(low < high for low, high in zip(box[:3], box[3:], strict=True)):
+                raise ValueError(f"{list(box)}: first the smallest x, y and z, then the largest")
+        return boxes
 
 
 class ToolSection(Section):

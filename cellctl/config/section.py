@@ -26,4 +26,8 @@ class Section(BaseModel):
     def _arrays_are_tuples(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        return {key: tuple(v) if isinstance(v, list) else v for key, v in data.items()}
+        return {key: _tuples(value) for key, value in data.items()}
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value

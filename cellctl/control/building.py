@@ -17,7 +17,7 @@ from cellctl.control.acts import ActKind
 from cellctl.control.job import Grip, Job
 from cellctl.control.journal import Journal
 from cellctl.control.moving import Ahead, ArmAndLatch
-from cellctl.control.touch import Beside, Touch, alone
+from cellctl.control.touch import Beside, Touch, alone, contact_early
 from cellctl.errors import CellFault
 from cellctl.feeding.belt import BeltState
 from cellctl.feeding.inventory import Move
@@ -175,7 +175,8 @@ class Builder(Acting):
         """Bring the part to its cell; False when the part stayed at the station.
 
         Raises:
-            CellFault: of arm, belt or gripper; ``pick_missed`` when trying again did not help.
+            CellFault: of arm, belt or gripper; ``pick_missed`` when trying again did not help;
+                ``contact_early`` when the part meets something above its seat.
         """
         step = job.step
         assert step is not None, "placing needs a step"
@@ -190,7 +191,7 @@ class Builder(Acting):
                 lifted = await self._see_it_lift(move)
                 if lifted:
                     await self._call_the_next(move, job)
-                    await move
+                    await self._descend(move, step.cell)
                 else:
                     await self._hands.arm.stop()
                     act.failed("The part stayed at the station.", Move.MISS)
@@ -204,6 +205,19 @@ class Builder(Acting):
                 self._retries = 0
                 raise CellFault("pick_missed")
         return lifted
+
+    async def _descend(self, move: asyncio.Task[None], cell: Cell) -> None:
+        """Wait for the end of the way to a cell, and stop where the part meets something."""
+        watch = asyncio.create_task(self._touch.met_early(move, cell))
+        try:
+            await asyncio.wait({move, watch}, return_when=asyncio.FIRST_COMPLETED)
+            if watch.done() and (met_n := watch.result()) > 0.0:
+                await self._hands.arm.stop()
+                raise contact_early(cell, met_n)
+            await move
+        finally:
+            watch.cancel()
+            await asyncio.gather(watch, return_exceptions=True)
 
     async def release(self, job: Job) -> PartOutcome:
         """Let the part go at its cell and count it.

@@ -1,11 +1,15 @@
 """Placing that feels: a seat under the part before it is let go, and a gripper that is free after.
 
 Both are felt at rest, a fraction of a millimetre below and above the seat, so that no delay of a
-network or a busy computer counts: the arm is as far as it goes, and then the force is read.
+network or a busy computer counts: the arm is as far as it goes, and then the force is read. What a
+part meets above its seat is felt on the way down, too.
 """
 
 from __future__ import annotations
 
+import asyncio
+import math
+from collections import deque
 from collections.abc import Awaitable, Callable
 from statistics import fmean
 from typing import TYPE_CHECKING
@@ -22,6 +26,11 @@ if TYPE_CHECKING:
 _READINGS = {"ur10e": 3, "ur10": 8}
 """How many states a force is averaged over: a sensor is quieter than currents of joints."""
 _POLL_S = 0.004
+_MOVING_READINGS = {"ur10e": 1, "ur10": 3}
+"""The same while the arm moves, where waiting costs way."""
+_NEAR_SEAT_M = 0.12
+"""Within this of its seat a part may stand on something: a part that is where it should go is a
+pitch high."""
 
 Travel = Callable[["Plan"], Awaitable[None]]
 """Follows a checked route from where the arm is."""
@@ -53,12 +62,36 @@ class Touch:
         self.felt_s = 0.0
         """What feeling has taken in all (cell time)."""
 
+    async def met_early(self, move: asyncio.Task[None], cell: Cell) -> float:
+        """Watch the way down to a cell until the movement ends, or the part meets something.
+
+        Args:
+            move: brings the part to its cell.
+            cell: where it goes.
+
+        Returns:
+            How hard it is pressed up, in N; 0 when it met nothing.
+        """
+        seat = self._hands.routes.place_stance(cell).tcp_pose[:3]
+        readings: deque[float] = deque(maxlen=_MOVING_READINGS[self._robot.model])
+        while not move.done():
+            state = self._hands.state()
+            # Elsewhere the part hangs free, and whatever shakes it is no contact.
+            if math.dist(state.tcp_pose[:3], seat) < _NEAR_SEAT_M:
+                readings.append(float(self._upward @ state.tcp_force_n))
+                met_n = fmean(readings)
+                if met_n > self._robot.early_force_n and len(readings) == readings.maxlen:
+                    return met_n
+            await self._clock.sleep(_POLL_S)
+        return 0.0
+
     async def seat(self, cell: Cell, standing: frozenset[Cell], travel: Travel) -> None:
         """Feel whether the part that is held is pressed on what carries it, where a column down to
         the floor does; no other joints bear being pressed on.
 
         Raises:
-            CellFault: ``not_seated``: there is nothing under it; or of the arm.
+            CellFault: ``not_seated``: there is nothing under it; ``contact_early``: what is there
+                stands too high; or of the arm.
         """
         if not self._hands.routes.presses(cell, standing):
             return
@@ -67,6 +100,8 @@ class Touch:
         await self._go(cell, -self._robot.touch_depth_m, travel, carrying=True)
         pressed_n = await self._upward_n()
         self.felt_s += self._clock.now_s() - began_s
+        if pressed_n > self._robot.early_force_n:
+            raise contact_early(cell, pressed_n)
         if pressed_n < self._robot.touch_force_n:
             raise CellFault(
                 "not_seated",
@@ -134,3 +169,8 @@ class Touch:
                 readings.append(float(self._upward @ state.tcp_force_n))
             await self._clock.sleep(_POLL_S)
         return fmean(readings)
+
+
+def contact_early(cell: Cell, met_n: float) -> CellFault:
+    """The part that goes to a cell has met something above its seat."""
+    return CellFault("contact_early", f"At {list(cell)} it is pressed up with {met_n:.0f} N.")

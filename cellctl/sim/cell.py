@@ -137,6 +137,8 @@ class EmulatedCell:
                 self._talking_gripper().clear(fault.effect)
             case Device.WORLD if fault.effect == "stick_to_gripper":
                 self.world.free_parts()
+            case Device.WORLD if fault.effect == "raise":
+                self.world.raised_m.pop(_cell(values), None)
             case Device.WORLD:
                 self.world.straighten_parts()
         label = _label(fault, values)
@@ -209,7 +211,11 @@ class EmulatedCell:
             case "stick_to_gripper":
                 self.world.parts_stick = True
             case "take_placed":
-                self.world.take_placed_part(Cell(values["x"], values["y"], values["z"]))
+                self.world.take_placed_part(_cell(values))
+            case "put":
+                self.world.put_part(_cell(values))
+            case "raise":
+                self.world.raise_part(_cell(values), values["height_m"])
 
 
 def _checked(name: str, arguments: Arguments) -> tuple[Fault, dict[str, Any]]:
@@ -218,6 +224,10 @@ def _checked(name: str, arguments: Arguments) -> tuple[Fault, dict[str, Any]]:
         near = difflib.get_close_matches(name, FAULTS, n=3, cutoff=0.4) or sorted(FAULTS)
         raise UsageError(f"There is no fault {name!r}.", f"Try: {', '.join(near)}.")
     return fault, fault.complete(arguments)
+
+
+def _cell(values: dict[str, Any]) -> Cell:
+    return Cell(values["x"], values["y"], values["z"])
 
 
 def _label(fault: Fault, values: dict[str, Any]) -> str:

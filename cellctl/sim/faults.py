@@ -391,6 +391,12 @@ _GRIPPER = (
         remedy="Unlatch and latch again.",
     ),
 )
+_CELL = (
+    Parameter("x", int, "the cell of the part along x", required=True),
+    Parameter("y", int, "along y", required=True),
+    Parameter("z", int, "its layer; 0 on the floor", required=True),
+)
+
 _WORLD = (
     Fault(
         "belt_empty",
@@ -430,15 +436,27 @@ _WORLD = (
         remedy="Clear the workspace.",
     ),
     Fault(
+        "part_put",
+        Device.WORLD,
+        "put",
+        "Somebody puts a part from the stock at a cell, and tells nobody.",
+        _CELL,
+        once=True,
+        remedy="Take it out again: inject part_taken.",
+    ),
+    Fault(
+        "part_raised",
+        Device.WORLD,
+        "raise",
+        "A placed part stands higher than its cell, as over a crumb; the arm feels it.",
+        (*_CELL, Parameter("height_m", float, "how much higher, in metres", 0.0015)),
+    ),
+    Fault(
         "part_taken",
         Device.WORLD,
         "take_placed",
         "A visitor takes a part off the structure along.",
-        (
-            Parameter("x", int, "the cell of the part along x", required=True),
-            Parameter("y", int, "along y", required=True),
-            Parameter("z", int, "its layer; 0 on the floor", required=True),
-        ),
+        _CELL,
         once=True,
         remedy="Tell the cell that it is missing.",
     ),

@@ -4,8 +4,8 @@ Pure: no I/O, no clock of its own, all chance from one seed. The emulators of ro
 conveyor tell it what they do; it keeps every part in exactly one place and holds against the cell
 whatever must not happen. It shares no code with the planner.
 
-What it does not know: links of the arm above the gripper, springiness, parts that fall onto other
-parts. A fallen part is out of play until somebody clears the workspace.
+What it does not know: springiness, and parts that fall onto other parts. A fallen part is out of
+play until somebody clears the workspace.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from cellctl.sim.world_geometry import (
     rotation_vector,
 )
 from cellctl.sim.world_grip import fits, judge_release
+from cellctl.sim.world_links import LinkJudge
 from cellctl.sim.world_parts import Parts
 from cellctl.sim.world_support import adrift
 from cellctl.sim.world_touch import holding_back_n, pressing_n
@@ -38,6 +39,8 @@ from cellctl.sim.world_values import (
     ViolationKind,
 )
 
+COLLISION_N = 300.0
+"""How hard a collision is felt, against the movement: more than any arm's safety limit allows."""
 BOND_LIFT_M = 0.03
 """A part that sticks to its neighbour comes off once it is lifted this far..."""
 BOND_SLACK_M = 0.01
@@ -76,6 +79,10 @@ class World(Parts):
         self._contacts = Contacts(config, from_cell)
         self._material = Material.of(config)
         self._ongoing: set[Contact] = set()
+        self._links = LinkJudge(config.robot.model, self._from_base)
+        self._links_in: set[Contact] = set()
+        self._heading = np.zeros(3)
+        """Which way the tool moved last, in the workspace frame, of length 1."""
         self._span: Span | None = None
         self._tcp: Floats | None = None
         """TCP in the workspace frame; None until the arm first told where it is."""
@@ -110,10 +117,13 @@ class World(Parts):
 
     def robot_moved(self, flange: Floats, joints_rad: Floats, dt_s: float) -> None:
         """Take the arm's new pose and judge the way to it; see ``Plant.robot_moved``."""
-        del joints_rad, dt_s  # only the tool is judged, and time passes in advance()
+        del dt_s  # time passes in advance()
         tcp = self._from_base @ flange @ self._tool
         if self._tcp is not None and tcp.tobytes() == self._tcp.tobytes():
             return
+        if self._tcp is not None and (way := tcp[:3, 3] - self._tcp[:3, 3]).any():
+            self._heading = way / np.linalg.norm(way)
+        self._judge_links(joints_rad)
         self._tcp = tcp
         self._strain_grip(tcp)
         holding = self._held is not None
@@ -126,7 +136,20 @@ class World(Parts):
         contacts = self._contacts.along(before, self._span, self._placed, self._row)
         if contacts == self._ongoing:
             return
-        for contact in sorted(contacts - self._ongoing, key=str):
+        self._tell_new(contacts - self._ongoing)
+        self._ongoing = contacts
+
+    def _judge_links(self, joints_rad: Floats) -> None:
+        if not self._links.due(joints_rad):
+            return
+        contacts = self._links.judge(
+            joints_rad, lambda low, high: self._contacts.near(low, high, self._placed, self._row)
+        )
+        self._tell_new(contacts - self._links_in)
+        self._links_in = contacts
+
+    def _tell_new(self, contacts: set[Contact]) -> None:
+        for contact in sorted(contacts, key=str):
             where = f" at cell {tuple(contact.cell)}" if contact.cell else ""
             self._hold_against(
                 ViolationKind.COLLISION,
@@ -134,7 +157,6 @@ class World(Parts):
                 part=contact.part,
                 cell=contact.cell,
             )
-        self._ongoing = contacts
 
     def _grip(self, cell: Cell) -> None:
         assert self._tcp is not None, "the arm is somewhere"
@@ -145,7 +167,11 @@ class World(Parts):
     def tcp_force_n(self) -> Floats:
         """What acts on the tool from outside, (3,) in the base frame, in N. Part and gripper do not
         count: the robot knows what it carries."""
-        return np.asarray(self._from_base[2, :3] * self._upward_force_n())
+        force_n = self._from_base[2, :3] * self._upward_force_n()
+        touched = self._ongoing | self._links_in
+        if any(contact.cell is None or contact.cell in self._placed for contact in touched):
+            force_n = force_n - self._from_base[:3, :3].T @ self._heading * COLLISION_N
+        return np.asarray(force_n)
 
     def _upward_force_n(self) -> float:
         if self._tcp is None:
@@ -158,7 +184,9 @@ class World(Parts):
             return -holding_back_n(lifted_m, magnet_n, PARTING_M)
         if self._held is None:
             return 0.0
-        return pressing_n(self._tcp, self._placed.keys(), self._from_feeder, self._pitch_m)
+        return pressing_n(
+            self._tcp, self._placed.keys(), self._from_feeder, self._pitch_m, self.raised_m
+        )
 
     @property
     def tcp_pose(self) -> Floats | None:

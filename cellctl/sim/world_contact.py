@@ -90,6 +90,12 @@ class Contacts:
         """Centre of the part that waits at the stop, and the direction of the feed."""
         self._row_zone = _row_zone(config, self._from_feeder).bounds()
 
+    def near(
+        self, low: Triple, high: Triple, placed: dict[Cell, int], row: BeltRow
+    ) -> list[tuple[Contact, Box]]:
+        """What is solid within an axis-parallel box; the contacts name no body yet."""
+        return self._near("", low, high, placed, row)
+
     def span(self, tcp: Floats, holding: bool) -> Span:
         """The tool at one pose."""
         body = self._both if holding else self._gripper
@@ -240,4 +246,13 @@ def _furniture(config: CellConfig, from_cell: Floats) -> list[tuple[str, Box]]:
             (length_m, config.feeder.width_m, surface_m),
         )
         furniture.append(("belt", belt))
+    for low, high in ((box[:3], box[3:]) for box in config.walls.boxes_m):
+        centre = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
+        edges = tuple(b - a for a, b in zip(low, high, strict=True))
+        furniture.append(("wall", block(np.eye(4), _triple(centre), _triple(edges))))
     return furniture
+
+
+def _triple(values: tuple[float, ...]) -> Triple:
+    x, y, z = values
+    return (x, y, z)

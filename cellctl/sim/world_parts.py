@@ -40,6 +40,8 @@ class Parts(ABC):
         seat."""
         self.parts_stick = False
         """Parts that are let go at a cell stick to the gripper."""
+        self.raised_m: dict[Cell, float] = {}
+        """How much higher than its cell a placed part stands, as over a crumb: the arm feels it."""
 
     # ---- hands: what a person does in the cell ----
 
@@ -84,6 +86,7 @@ class Parts(ABC):
         self._gripped = None
         self._placed.clear()
         self._fallen.clear()
+        self.raised_m.clear()
         self._settle()
         return len(parts)
 
@@ -139,6 +142,27 @@ class Parts(ABC):
         self._handed_over.append(self._placed.pop(cell))
         self._drop_what_cannot_hold(None)
         self._settle()
+
+    def put_part(self, cell: Cell) -> None:
+        """Somebody puts a part from the stock at a cell.
+
+        Raises:
+            ValueError: there is one already, or none in the stock.
+        """
+        if cell in self._placed or not self._stock:
+            raise ValueError(f"no part can be put at {tuple(cell)}")
+        self._placed[cell] = self._stock.pop()
+        self._settle()
+
+    def raise_part(self, cell: Cell, height_m: float) -> None:
+        """A placed part comes to stand higher than its cell; 0 puts it right.
+
+        Raises:
+            ValueError: there is no part at that cell.
+        """
+        if cell not in self._placed:
+            raise ValueError(f"no part stands at {tuple(cell)}")
+        self.raised_m[cell] = height_m
 
     # ---- truth ----
 

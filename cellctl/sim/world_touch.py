@@ -6,6 +6,7 @@ what a force sensor lives on. Both are springs, and small: a tenth of a millimet
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 
 from cellctl.assembly import Cell
@@ -17,13 +18,20 @@ _ASIDE_M = 0.03
 """A part presses on what is under it where it is no farther aside."""
 
 
-def pressing_n(tcp: Floats, placed: AbstractSet[Cell], station: Floats, pitch_m: float) -> float:
+def pressing_n(
+    tcp: Floats,
+    placed: AbstractSet[Cell],
+    station: Floats,
+    pitch_m: float,
+    raised_m: Mapping[Cell, float],
+) -> float:
     """How hard the held part is pressed on what is under it, in N.
 
     Args:
         tcp: 4x4 pose of the TCP in the workspace frame.
         placed: cells that hold a part.
         station: 4x4 pose, in the same frame, of the top of a part at the pick station.
+        raised_m: how much higher than its cell a placed part stands.
     """
     x_m, y_m, top_m = tcp[:3, 3].tolist()
     bottom_m = top_m - pitch_m
@@ -34,8 +42,10 @@ def pressing_n(tcp: Floats, placed: AbstractSet[Cell], station: Floats, pitch_m:
     if max(abs(x_m - centre_m[0]), abs(y_m - centre_m[1])) > _ASIDE_M:
         return 0.0
     layer = round(bottom_m / pitch_m) - 1
-    below = layer < 0 or Cell(*column, layer) in placed
-    return _spring_n((layer + 1) * pitch_m - bottom_m, pitch_m) if below else 0.0
+    under = Cell(*column, layer)
+    if layer >= 0 and under not in placed:
+        return 0.0
+    return _spring_n((layer + 1) * pitch_m + raised_m.get(under, 0.0) - bottom_m, pitch_m)
 
 
 def holding_back_n(lifted_m: float, magnet_n: float, parting_m: float) -> float:

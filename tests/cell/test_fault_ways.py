@@ -212,6 +212,45 @@ def test_nothing_is_under_the_part_that_is_to_be_let_go(idle: RunningCell) -> No
     finish_as_planned(idle, taken=1)
 
 
+def test_a_part_below_stands_too_high(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    (below,) = idle.truth().built
+    where = {"x": below.x, "y": below.y, "z": below.z}
+    idle.wait_mid_place()
+    idle.world.inject("part_raised", **where)
+    expect_fault(idle, "contact_early")
+    assert idle.client.snapshot().gripper.holding == "part"
+    assert idle.truth().violations[idle.held_before :] == ()
+    reset(idle)
+    assert "The TCP is at" in idle.hand("rise")
+    idle.world.clear("part_raised", **where)  # somebody takes the crumb away
+    idle.client.command("resume")
+    finish_as_planned(idle)
+
+
+@pytest.mark.soak
+def test_a_part_stands_where_another_must_go_and_nobody_told(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    (below,) = idle.truth().built
+    where = {"x": below.x, "y": below.y, "z": below.z + 1}
+    idle.wait_mid_place()
+    idle.world.inject("part_put", **where)
+    fault = idle.wait("a fault", lambda now: now.fault.entry is not None).fault.entry
+    assert fault is not None
+    assert fault.code in {"contact_early", "protective_stop"}  # whichever feels it first
+    assert idle.client.snapshot().gripper.holding == "part"
+    # It ran into a part that nobody told of, and that is all that happened.
+    assert {told.kind for told in idle.truth().violations[idle.held_before :]} <= {"collision"}
+    reset(idle)
+    assert idle.client.snapshot().gripper.holding == "part"
+    idle.world.inject("part_taken", **where)
+    idle.client.command("resume")
+    assert idle.finish().outcome == "built"
+    assert len(idle.truth().built) == 2
+
+
 def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) -> None:
     begin(idle)
     idle.wait("one that stands", lambda now: len(now.standing) == 1)

@@ -24,6 +24,7 @@ PROVOKED: dict[str, tuple[str, str]] = {
     "gripper_mismatch": (WAYS, "test_another_board_is_on_the_grippers_port"),
     "pick_missed": (FAULTS, "test_a_part_that_lies_turned_is_missed_twice_and_then_a_fault"),
     "not_seated": (WAYS, "test_nothing_is_under_the_part_that_is_to_be_let_go"),
+    "contact_early": (WAYS, "test_a_part_below_stands_too_high"),
     "part_stuck": (WAYS, "test_a_part_that_sticks_to_the_gripper_is_not_torn_off"),
     "gripper_holds": (WAYS, "test_the_latch_holds_something_that_nobody_knows_of"),
     "arm_moved": (WAYS, "test_the_arm_is_moved_while_the_latch_is_not_confirmed"),

@@ -65,6 +65,9 @@ class UrOptions:
     protective_stop_rad_s2: float = 10.0
     safeguard_stop_rad_s2: float = 5.0
     emergency_stop_rad_s2: float = 10.0
+    tcp_force_limit_n: float = 150.0
+    """A force on the tool that grows beyond this makes a protective stop: a safety limit that real
+    robots have under *Robot Limits* (its value there is the integrator's)."""
     pause_rad_s2: float = 2.0
     """For pausing and resuming on the dashboard."""
     speed_slider_rad_s2: float = 2.0

@@ -79,6 +79,8 @@ class Robot:
         self._noise_n = FORCE_NOISE_N[options.model]
         self._program: ControlProgram | None = None
         self._powering_down = False
+        self._force_n = 0.0
+        """At the TCP, when the arm moved last."""
         self.show()
 
     # The passing of time
@@ -103,8 +105,18 @@ class Robot:
             self.trip_protective(str(error))
         self.joint_history.append(self.arm.joints_rad)
         self._plant.robot_moved(self.arm.flange, self.arm.joints_array, duration_s)
+        if self.arm.moving:
+            self._feel()
         if not self.arm.moving:
             self._at_rest()
+
+    def _feel(self) -> None:
+        """Stop an arm that runs into something; one that leaves it may go."""
+        x_n, y_n, z_n = self._plant.tcp_force_n().tolist()
+        before_n, self._force_n = self._force_n, math.hypot(x_n, y_n, z_n)
+        limit_n = self.options.tcp_force_limit_n
+        if self._force_n > max(limit_n, before_n) and not self.safety.protective:
+            self.trip_protective(f"a force of {self._force_n:.0f} N at the TCP")
 
     def _cycle(self, program: ControlProgram) -> None:
         try:
