@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-hil soak lint format docs protocol firmware flash-gripper flash-conveyor lock \
+.PHONY: help demo test test-hil soak lint format docs pictures protocol firmware flash-gripper flash-conveyor lock \
 	setup setup-test install uninstall clean
 
 BIN := .venv/bin
@@ -38,6 +38,9 @@ format: setup ## Put the code into shape
 
 docs: setup ## Write docs/reference anew from the code
 	@$(BIN)/python -m cellctl.cli.reference docs/reference
+
+pictures: setup-test ## Take the pictures of the page in docs/images/kiosk anew
+	@$(BIN)/python -m tests.kiosk.pictures docs/images/kiosk
 
 protocol: setup ## Write both sides' constants anew from docs/serial-protocol.md
 	@$(BIN)/python -m cellctl.boards.protocol_tables docs/serial-protocol.md \

@@ -6,7 +6,10 @@ PREFIX=${PREFIX:-/opt/cellctl}
 DESTDIR=${DESTDIR:-}
 DESTDIR=${DESTDIR%/}
 
-units=(cellctl.service cellctl-models.service cellctl-kiosk.service)
+units=(
+    cellctl.service cellctl-models.service cellctl-kiosk.service cellctl-browser@.service
+    cellctl-screen.service
+)
 unit_folder=/etc/systemd/system
 command_link=/usr/local/bin/cellctl
 sysusers=/etc/sysusers.d/cellctl.conf

@@ -11,6 +11,7 @@ import json
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from rich.table import Table
 from cellctl.assembly import Cell, Role
 from cellctl.cli.daemon_process import running_daemon, wait_idle
 from cellctl.cli.following import follow_job
+from cellctl.cli.kiosk_process import running_kiosk, with_own_page
 from cellctl.client import CellClient
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError, ExitStatus
@@ -44,7 +46,7 @@ class Wish:
 
 
 def demonstrate(
-    config: CellConfig, wish: Wish, console: Console
+    config: CellConfig, wish: Wish, console: Console, *, page: bool = False
 ) -> tuple[ExitStatus, dict[str, Any], CellTruth]:
     """Run the demonstration.
 
@@ -52,6 +54,7 @@ def demonstrate(
         config: an emulated cell whose policy waives the confirmation.
         wish: what to ask for.
         console: where to show it.
+        page: serve the page meanwhile, and wait with the wish until somebody has opened it.
 
     Returns:
         How it ended, the report, and the world's truth.
@@ -59,15 +62,19 @@ def demonstrate(
     began_s = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
         folder = Path(name)
-        own = isolated(config, folder)
+        own = with_own_page(isolated(config, folder))
         wav = wish.wav if wish.wav is not None else _spoken(wish.text or "", folder, console)
         with (
             emulated_cell(own, own.cell.clock_rate) as world,
             running_daemon(own, folder) as daemon,
             CellClient.for_role(own, Role.VISITOR) as cell,
+            running_kiosk(own, folder) if page else nullcontext() as kiosk,
         ):
             try:
                 wait_idle(cell, daemon)
+                if kiosk is not None:
+                    console.print(f"[green]{'page':<26}[/] {kiosk.url}")
+                    console.input("Open it, then press Enter. ")
                 cell.subscribe()
                 reply = cell.hear(wav.name, wav.read_bytes())
                 status = follow_job(cell, reply.job_id, console)

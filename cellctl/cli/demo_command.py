@@ -64,6 +64,9 @@ def register(app: typer.Typer) -> None:
         report: Annotated[
             Path | None, typer.Option(help="Write what happened into this JSON file.")
         ] = None,
+        page: Annotated[
+            bool, typer.Option("--page", help="Serve a page to watch it on, and begin when told.")
+        ] = False,
     ) -> None:
         """Speak a wish to the emulated cell and watch it build."""
         from cellctl.cli import demo as show  # noqa: PLC0415 - heavy, and only this command's
@@ -82,7 +85,7 @@ def register(app: typer.Typer) -> None:
             "The question before building is waived: this cell is emulated."
         )
         wish = show.Wish(text=say or DEFAULT_WISH, wav=wav)
-        status, facts, truth = show.demonstrate(settings, wish, console)
+        status, facts, truth = show.demonstrate(settings, wish, console, page=page)
         if report is not None:
             show.write_report(facts, report)
         if picture is not None:

@@ -24,8 +24,10 @@ esac
 """
 INSTALLED = {
     "etc/cellctl/cell.toml",
+    "etc/systemd/system/cellctl-browser@.service",
     "etc/systemd/system/cellctl-kiosk.service",
     "etc/systemd/system/cellctl-models.service",
+    "etc/systemd/system/cellctl-screen.service",
     "etc/systemd/system/cellctl.service",
     "etc/sysusers.d/cellctl.conf",
     "etc/tmpfiles.d/cellctl.conf",

@@ -12,7 +12,14 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    ConsoleMessage,
+    Page,
+    Request,
+    ViewportSize,
+    sync_playwright,
+)
 
 from cellctl.cli.daemon_process import wait_idle
 from cellctl.cli.kiosk_process import KioskProcess, running_kiosk, with_own_page
@@ -81,47 +88,57 @@ class Visit:
     folder: Path
 
     @contextmanager
-    def open(
-        self,
-        path: str = "",
-        size: Size = "kiosk",
-        *,
-        scheme: Literal["light", "dark"] = "light",
-        **options: Any,
-    ) -> Iterator[OpenPage]:
-        """Open one page, and watch what goes wrong on it.
+    def open(self, path: str = "", size: Size = "kiosk", **options: Any) -> Iterator[OpenPage]:
+        """Open one page; see ``opened``."""
+        with opened(self.browser, self.kiosk.url, path, size, **options) as page:
+            yield page
 
-        Args:
-            path: after the page's address, such as ``operator`` or ``?lang=de``.
-            size: of the screen.
-            scheme: what the browser's system prefers.
-            options: further ones of ``Browser.new_context``.
-        """
-        width, height = SIZES[size]
-        context = self.browser.new_context(
-            viewport={"width": width, "height": height}, color_scheme=scheme, **options
-        )
-        page = context.new_page()
-        opened = OpenPage(page)
-        own = urlsplit(self.kiosk.url).netloc
 
-        def said(message: ConsoleMessage) -> None:
-            if message.type == "error":
-                opened.problems.append(message.text)
+@contextmanager
+def opened(
+    browser: Browser,
+    url: str,
+    path: str = "",
+    size: Size = "kiosk",
+    *,
+    scheme: Literal["light", "dark"] = "light",
+    **options: Any,
+) -> Iterator[OpenPage]:
+    """Open one page, and watch what goes wrong on it.
 
-        def asked(request: Request) -> None:
-            parts = urlsplit(request.url)
-            if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != own:
-                opened.elsewhere.append(request.url)
+    Args:
+        browser: where.
+        url: of the visitor's view.
+        path: after it, such as ``operator`` or ``?lang=de``.
+        size: of the screen.
+        scheme: what the browser's system prefers.
+        options: further ones of ``Browser.new_context``.
+    """
+    width, height = SIZES[size]
+    viewport: ViewportSize = {"width": width, "height": height}
+    context = browser.new_context(viewport=viewport, color_scheme=scheme, **options)
+    context.set_default_timeout(PATIENCE_S * 1000)
+    page = context.new_page()
+    found = OpenPage(page)
+    own = urlsplit(url).netloc
 
-        page.on("console", said)
-        page.on("pageerror", lambda error: opened.problems.append(str(error)))
-        page.on("request", asked)
-        try:
-            page.goto(self.kiosk.url + path, timeout=PATIENCE_S * 1000)
-            yield opened
-        finally:
-            context.close()
+    def said(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            found.problems.append(message.text)
+
+    def asked(request: Request) -> None:
+        parts = urlsplit(request.url)
+        if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != own:
+            found.elsewhere.append(request.url)
+
+    page.on("console", said)
+    page.on("pageerror", lambda error: found.problems.append(str(error)))
+    page.on("request", asked)
+    try:
+        page.goto(url + path)
+        yield found
+    finally:
+        context.close()
 
 
 @contextmanager

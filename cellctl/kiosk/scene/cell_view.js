@@ -8,6 +8,7 @@ import { Palette } from "cellctl-scene/palette.js";
 const TURN_S = 26; // one turn of the turntable
 const SWAY_S = 40; // the camera's way to and fro before the cell
 const SWAY_RAD = 0.32;
+const TURN_A_PIXEL_RAD = 0.008;
 const FRAME_S = 1 / 30;
 const ARRIVE_S = 0.45; // how long a part takes to appear
 
@@ -59,6 +60,13 @@ export default {
       this.renderer.shadowMap.enabled = true;
       this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
       this.$el.append(this.renderer.domElement);
+      // Turned by hand, for those who want to see the other side, or whose picture stands still.
+      this.turned = 0;
+      this.$el.addEventListener("pointermove", (event) => {
+        if (!event.buttons) return;
+        this.turned += event.movementX * TURN_A_PIXEL_RAD;
+        this.dirty = true;
+      });
       this.palette = new Palette(this.$el);
       this.scene = new THREE.Scene();
       this.camera = new THREE.PerspectiveCamera(30, 1, 0.05, 40);
@@ -254,7 +262,7 @@ export default {
       if (turns && this.mode === "table") this.angle += (passed * 2 * Math.PI) / TURN_S;
       if (!(moving || turns || this.dirty)) return;
       this.dirty = false;
-      this.voxels.rotation.z = this.shape.rotation.z = 0.6 + this.angle;
+      this.voxels.rotation.z = this.shape.rotation.z = 0.6 + this.angle + this.turned;
       this.look();
       this.renderer.render(this.scene, this.camera);
     },
@@ -273,7 +281,7 @@ export default {
         return;
       }
       const sway = this.still.matches ? 0.25 : Math.sin((this.time * 2 * Math.PI) / SWAY_S);
-      const around = 0.62 + SWAY_RAD * sway;
+      const around = 0.62 + SWAY_RAD * sway - this.turned;
       const target = this.furniture.middle;
       const away = 3.9 / narrow;
       this.camera.position.set(

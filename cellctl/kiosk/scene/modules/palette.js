@@ -24,6 +24,8 @@ export class Palette {
   read() {
     // A browser resolves light-dark() only where a colour is used.
     const probe = document.createElement("i");
+    // Where all transitions are short, a colour that was just set would still be the one before.
+    probe.style.setProperty("transition", "none", "important");
     this.element.append(probe);
     for (const [kind, material] of this.materials) {
       probe.style.color = `var(${NAMES[kind]})`;
