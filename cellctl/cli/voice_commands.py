@@ -83,6 +83,7 @@ def _speak(wanted: str, voice: str, volume: float, text: str, language: str) -> 
     loudspeaker = Loudspeaker(wanted)
     try:
         repertoire = Repertoire(voice, volume, language)
+        repertoire.ready.wait()
         samples = repertoire.sound(text, language)
         deadline_s = time.monotonic() + _PATIENCE_S + len(samples) / RATE_HZ
         loudspeaker.play(samples)

@@ -115,6 +115,8 @@ def _correct_openers(snapped: Snapped) -> None:
     words = snapped.words
     if words[:3] == ["a", "sample", "me"]:
         snapped.replace(0, 2, "assemble")
+    elif words[:2] == ["take", "me"] and words[2:3] in (["a"], ["an"]):
+        snapped.replace(0, 1, "make")
     elif len(words) > 2 and words[0] == "and" and words[1:3] == ["you", "make"]:
         snapped.replace(0, 1, "can")
     elif words[:1] == ["i"] and words[2:3] == ["for"] and words[3:4] in _OWN:

@@ -85,12 +85,14 @@ class ServerWatch(Generic[T]):
 
     Args:
         ask: what to ask.
+        every_s: how often (wall time).
     """
 
-    def __init__(self, ask: Callable[[], T | None]) -> None:
+    def __init__(self, ask: Callable[[], T | None], every_s: float = ASK_EVERY_S) -> None:
         self.answer: T | None = None
         """The newest; None when nobody can tell."""
         self._ask = ask
+        self._every_s = every_s
         self._ended = threading.Event()
         threading.Thread(target=self._run, name="sound server watch", daemon=True).start()
 
@@ -101,7 +103,7 @@ class ServerWatch(Generic[T]):
     def _run(self) -> None:
         while not self._ended.is_set():
             self.answer = self._ask()
-            self._ended.wait(ASK_EVERY_S)
+            self._ended.wait(self._every_s)
 
 
 def _used(streams: str, device: str, kind: str) -> dict[str, Any] | None:

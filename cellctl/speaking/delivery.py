@@ -38,7 +38,11 @@ from cellctl.speaking.repertoire import Repertoire
 from cellctl.speaking.voices import Samples
 
 STEP_S = 0.02
-"""Longest wait in one step (wall time)."""
+"""Longest wait in one step while something is said (wall time) ..."""
+IDLE_STEP_S = 0.2
+"""... and otherwise."""
+WATCH_EVERY_S = 2.0
+"""How often the sound server is asked about its loudspeakers (wall time)."""
 SILENCE_S = 2.0
 """A loudspeaker that asks for nothing for so long while it plays is lost (wall time)."""
 WAITING_LIMIT = 4
@@ -107,7 +111,7 @@ class Delivery:
         self._end_what_has_ended()
         self._leave_out_too_much()
         if not self._begin_next():
-            self._arrived.wait(STEP_S)
+            self._arrived.wait(STEP_S if self._speaking is not None else IDLE_STEP_S)
             self._arrived.clear()
         self._tell_condition()
 
@@ -141,7 +145,7 @@ class Delivery:
             self._lose(str(error))
             return
         self._trouble = ""
-        self._watch = ServerWatch(_look)
+        self._watch = ServerWatch(_look, WATCH_EVERY_S)
 
     def _look_after(self, loudspeaker: Loudspeaker) -> None:
         seen = self._watch.answer if self._watch is not None else None

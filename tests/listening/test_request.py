@@ -207,6 +207,7 @@ def test_control_words_come_first(text: str, command: str) -> None:
         ("the letter tea", "letter t"),
         ("i kneed a shelf", "shelf"),
         ("A sample me a table with one leg.", "table with one leg"),
+        ("Take me a coffee table.", "coffee table"),
         ("I want to throne", "throne"),
         ("Make it cross.", "cross"),
         ("I want it thrown.", "throne"),

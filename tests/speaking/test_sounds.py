@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 
+from cellctl.errors import HearingError
 from cellctl.speaking.chimes import chime
 from cellctl.speaking.events import Chime
 from cellctl.speaking.loudspeaker import RATE_HZ, envelope, prepared
@@ -32,6 +35,17 @@ def test_numbers_are_spoken_as_words() -> None:
     figures = voice.speak("30 parts, about 3 minutes.").samples
     words = voice.speak("thirty parts, about three minutes.").samples
     assert np.array_equal(figures, words)
+
+
+def test_other_languages_are_spoken_by_espeak() -> None:
+    if shutil.which("espeak-ng") is None:
+        pytest.skip("espeak-ng is not installed")
+    voice = open_voice("de")
+    assert voice.name == "espeak-ng de"
+    samples, rate_hz = voice.speak("Soll ich es bauen?")
+    assert 0.5 < len(samples) / rate_hz < 4.0
+    with pytest.raises(HearingError, match="espeak-ng failed"):
+        open_voice("de", "martian").speak("Hallo.")
 
 
 def test_sound_is_as_loud_as_the_volume_says_and_begins_at_once() -> None:
