@@ -77,6 +77,9 @@ class CellClient:
         self._status = status
         self._timeout_s = timeout_s
         self._max_attachment = max_attachment
+        self.visitor = ""
+        """A visitor's secret, up to 64 characters, drawn by whoever asks for that visitor; empty
+        for the one in front of the cell."""
         self._subscription: zmq.Socket[bytes] | None = None
 
     @classmethod
@@ -149,7 +152,7 @@ class CellClient:
                 f"{self._max_attachment / 1e6:.0f} MB are taken at most."
             )
         self._refuse_if_closed()
-        request = ControlRequest(id=secrets.token_hex(8), body=body)
+        request = ControlRequest(id=secrets.token_hex(8), body=body, visitor=self.visitor)
         frames = [request.model_dump_json().encode()]
         if attachment is not None:
             frames.append(attachment)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from cellctl.config.section import Section
+from cellctl.config.section import NotNegative, Positive, Section
 
 
 class DialogueSection(Section):
@@ -17,3 +17,13 @@ class DialogueSection(Section):
     messages_folder: str | None = None
     """Folder of message files of your own, named `LANGUAGE.toml`; they come before the packaged
     ones."""
+    queue_limit: Annotated[int, Field(ge=0, le=100)] = 6
+    """How many wishes may wait while the cell is busy; 0 lets nobody wait."""
+    queue_per_visitor: Annotated[int, Field(ge=1, le=100)] = 2
+    """How many of them one visitor may have."""
+    queue_expires_s: Positive = 1800.0
+    """A wish that has waited for so long is forgotten."""
+    take_along_s: NotNegative = 60.0
+    """How long a finished object is left to its owner before the next wish in line begins."""
+    copies_limit: Annotated[int, Field(ge=1, le=20)] = 3
+    """How many of one thing a visitor gets, one after another."""

@@ -98,6 +98,10 @@ class JobRecord(Value):
     upload_name: str = ""
     """Name of the mesh or plan file that it began with."""
     cancelling: bool = False
+    owner: str = ""
+    """Mark of the visitor whose it is; empty for the one in front of the cell."""
+    owner_name: str = ""
+    """What that visitor wants to be called."""
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,12 @@ class Cell:
         self.builder = builder
         self._journal = journal
         self._publish = publish
-        self.sentences = Sentences(wording, config.voxel.pitch_m)
+        self.sentences = Sentences(
+            wording,
+            config.voxel.pitch_m,
+            config.dialogue.copies_limit,
+            lambda: builder.ledger.counts.available + len(builder.standing),
+        )
         self.line = wording.line("state.starting")
         """The present state in words."""
         self.controller = Controller(self, publish)
@@ -148,10 +153,10 @@ class Cell:
 
     # --- what the request desk asks for -------------------------------------------------------
 
-    def begin_audio(self, name: str, wav: bytes, role: Role) -> None:
+    def begin_audio(self, name: str, wav: bytes, role: Role, owner: str = "") -> None:
         """Start a job from a wav file."""
         self.wishes.recording = (name, wav)
-        self.begin(Job(role))
+        self.begin(Job(role, owner=owner))
 
     def begin(self, job: Job) -> None:
         """Start a job."""

@@ -21,11 +21,16 @@ from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
 from cellctl.control.about import Present
 from cellctl.control.archive import Archive
+from cellctl.control.books import Books
 from cellctl.control.bus import Bus
 from cellctl.control.cell import Cell
+from cellctl.control.commands import Commands
 from cellctl.control.designing import warm_up
 from cellctl.control.devices import Devices
 from cellctl.control.dialogue.board import DialogueBoard
+from cellctl.control.dialogue.conversation import Conversation
+from cellctl.control.dialogue.reading import Phrasebook
+from cellctl.control.dialogue.turns import Turns
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.ears import LiveEars
 from cellctl.control.gripper_reset import settle_reset
@@ -105,21 +110,35 @@ class Daemon:
             ServiceManager.from_environment(), self.cell.controller.probe, self._condition
         )
         self.voice = LiveVoice(config, wording, self._publish)
-        self.ears = LiveEars(config.hearing, self.hearing, self._state, self._publish, self.voice)
+        self.ears = LiveEars(
+            config.hearing,
+            self.hearing,
+            self._state,
+            self._publish,
+            voice=self.voice,
+            asks=lambda: self.conversation.asks,
+            sayings=Phrasebook(wording).sayings,
+        )
+        self.turns = Turns(config, self.clock)
         self.dialogue = DialogueBoard(
             self.cell,
             self.clock,
-            lambda: self.ears.data.state,
-            self.voice,
-            lambda data: self.bus.publish(data, self._state()),
+            ears=lambda: self.ears.data.state,
+            queue=lambda: self.turns.entries,
+            speaker=self.voice,
+            publish=lambda data: self.bus.publish(data, self._state()),
         )
+        commands = Commands(self.cell, Books(self.cell))
+        self.conversation = Conversation(self.cell, self.dialogue, commands, self.turns, self.clock)
         self.recollection = Recollection(self.clock)
         self.desk = RequestDesk(
             self.cell,
             self.hearing,
-            self._show,
-            self.snapshot,
-            self.ears,
+            publish=self._show,
+            snapshot=self.snapshot,
+            ears=self.ears,
+            conversation=self.conversation,
+            commands=commands,
             archive=Archive(config, lambda: self.cell.job, self.present, self.recollection),
         )
 
@@ -192,7 +211,7 @@ class Daemon:
 
     def _show(self, data: StatusData, state: str) -> None:
         self.bus.publish(data, state)
-        self.dialogue.note(data)
+        self.conversation.note(data)
 
     def publish_log(self, level: str, message: str) -> None:
         """Put a warning or an error of the log on the bus."""
@@ -296,7 +315,8 @@ class Daemon:
                 ("arm monitor", monitor.run()),
                 ("belt watch", self.devices.belt.watch(lambda: self.cell.started)),
                 ("gripper watch", self.devices.gripper_board.run()),
-                ("live ears", self.ears.run(self.desk.take)),
+                ("live ears", self.ears.run(self.conversation.take)),
+                ("conversation", self.conversation.run()),
                 ("voice", self.voice.run()),
                 ("warm-up", self._warm_up()),
                 ("pruning", self._prune()),

@@ -20,6 +20,7 @@ from cellctl.control.drafts import Drafts
 from cellctl.control.states import TRANSITIONS, Event
 from cellctl.control.voice import LiveVoice
 from cellctl.errors import CellctlError, HearingError, RefusedError
+from cellctl.listening.commands import Sayings
 from cellctl.listening.ears.ears import Ears
 from cellctl.listening.ears.events import Condition, Draft, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.words import overheard_command
@@ -49,7 +50,6 @@ def _sources(event: Event) -> frozenset[str]:
 
 
 _REQUEST_STATES = _sources(Event.SAY)
-_ASKING_STATES = _sources(Event.CONFIRM)
 
 
 class LiveEars:
@@ -61,6 +61,8 @@ class LiveEars:
         state: the machine's present state.
         publish: sends a status message.
         voice: what the cell says itself, and what falls silent when somebody else speaks.
+        asks: whether a yes or a no would be an answer now.
+        sayings: words of command in the cell's language.
     """
 
     def __init__(
@@ -69,7 +71,10 @@ class LiveEars:
         hearing: Hearing,
         state: Callable[[], str],
         publish: Callable[[StatusData], None],
+        *,
         voice: LiveVoice,
+        asks: Callable[[], bool],
+        sayings: Sayings,
     ) -> None:
         self._settings = settings
         self._hearing = hearing
@@ -79,6 +84,8 @@ class LiveEars:
         voice.heed = self._heed
         self._own = OwnWords()
         self._drafts = Drafts(hearing.hear_samples)
+        self._asks = asks
+        self._sayings = sayings
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
         self.data = EarsData(
@@ -237,7 +244,7 @@ class LiveEars:
         return True
 
     async def _judge(self, segment: Segment, utterance: Utterance, take: Take) -> None:
-        word = overheard_command(utterance.text)
+        word = overheard_command(utterance.text, self._sayings)
         if segment.after and not utterance.text:
             self._publish(SpeechData(utterance=utterance))
             self._tell(_NOT_UNDERSTOOD)
@@ -256,7 +263,7 @@ class LiveEars:
         """Whether a word counts that was said without the wake word or the button."""
         state = self._state()
         if word in {"yes", "no"}:
-            return state in _ASKING_STATES
+            return self._asks()
         if word == "pause":
             return state not in _REQUEST_STATES
         return word == "stop" or (word == "cancel" and self._settings.activation == "open")

@@ -112,18 +112,22 @@ class Job:
     first_motion_s: float | None = None
     finished_s: float | None = None
 
+    owner: str = ""
+    """Mark of the visitor whose it is; empty for the one in front of the cell."""
+    owner_name: str = ""
+
     @classmethod
     def of_file(cls, name: str, content: bytes, role: Role) -> Self:
         """That builds what a mesh or plan file holds."""
         return cls(role, phase=Phase.VALIDATING, upload_name=name, upload=content)
 
     @classmethod
-    def taking_apart(cls, role: Role) -> Self:
+    def taking_apart(cls, role: Role, owner: str = "") -> Self:
         """That takes apart what stands."""
         request = Request(
             text="Take it apart.", intent=Intent.CONTROL, phrase="false", command="take_apart"
         )
-        return cls(role, phase=Phase.VALIDATING, request=request)
+        return cls(role, phase=Phase.VALIDATING, request=request, owner=owner)
 
     @property
     def placed(self) -> int:
@@ -175,6 +179,14 @@ class Job:
         """How many parts are still to be placed."""
         due = zip(self._steps, self._due(), strict=True)
         return sum(is_due and step.kind is StepKind.PLACE for step, is_due in due)
+
+    @property
+    def left_s(self) -> float | None:
+        """How long the steps that are due take; None where that is not known of all of them."""
+        due = zip(self._steps, self._due(), strict=True)
+        durations = [step.duration_s for step, is_due in due if is_due]
+        known = [duration for duration in durations if duration is not None]
+        return sum(known) if len(known) == len(durations) else None
 
     @property
     def kept(self) -> frozenset[Cell]:
@@ -310,6 +322,8 @@ class Job:
             parts=tuple(self.outcomes),
             upload_name=self.upload_name,
             cancelling=self.cancelling,
+            owner=self.owner,
+            owner_name=self.owner_name,
         )
 
     @classmethod
@@ -330,6 +344,8 @@ class Job:
             outcomes=list(record.parts),
             message=record.message,
             cancelling=record.cancelling,
+            owner=record.owner,
+            owner_name=record.owner_name,
         )
 
     def view(self) -> JobData:

@@ -13,18 +13,18 @@ from cellctl.control.archive import Archive
 from cellctl.control.audio import audio_file
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
-from cellctl.control.conversation import take_another, take_change
+from cellctl.control.commands import Commands, refuse_visitors
+from cellctl.control.dialogue.conversation import Conversation
+from cellctl.control.dialogue.table import Input
 from cellctl.control.door import Answer
 from cellctl.control.ears import LiveEars
 from cellctl.control.job import Job
 from cellctl.control.possible import possible
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, RefusedError, UsageError
-from cellctl.listening.commands import spoken_command
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.wav import read_wav
 from cellctl.messages import (
-    OPERATOR_COMMANDS,
     BuildCommand,
     ConfirmCommand,
     ControlReply,
@@ -44,6 +44,7 @@ from cellctl.messages import (
     SnapshotCommand,
     SpeechData,
     StatusData,
+    visitor_mark,
 )
 
 log = structlog.get_logger(__name__)
@@ -56,29 +57,13 @@ OVERHEARD_S = 5.0
 _HAND_TIMEOUT_S = 120.0
 """Longest movement by hand that somebody waits for (wall time)."""
 
-_EVENTS = {
-    "pause": Event.PAUSE,
-    "stop": Event.STOP,
-    "cancel": Event.CANCEL,
-    "reset": Event.RESET,
-}
-_DONE = {
-    "pause": "Pausing at the next safe point.",
-    "resume": "Going on.",
-    "stop": "Stopping now; the part stays in the gripper.",
-    "cancel": "Ending the job; what stands stays.",
-    "reset": "Clearing the fault; nothing moves until you resume.",
-}
-_NOTHING_MOVES = "Nothing is under way, and nothing moves."
-_WORDS: dict[str, str | bool] = {
-    "stop": "stop",
-    "pause": "pause",
-    "resume": "resume",
-    "cancel": "cancel",
-    "take_apart": "take_apart",
-    "another": "another",
-    "yes": True,
-    "no": False,
+_PRESSED = {
+    "stop": Input.STOP,
+    "pause": Input.PAUSE,
+    "resume": Input.RESUME,
+    "cancel": Input.CANCEL,
+    "take_apart": Input.TAKE_APART,
+    "another": Input.ANOTHER,
 }
 
 
@@ -92,23 +77,29 @@ class RequestDesk:
         snapshot: makes the whole picture.
         ears: the microphone.
         archive: answers what is asked of jobs and of the cell.
+        conversation: takes what visitors say and press.
+        commands: carries out what is asked without arguments.
     """
 
     def __init__(
         self,
         cell: Cell,
         hearing: Hearing,
+        *,
         publish: Callable[[StatusData, str], None],
         snapshot: Callable[[], Snapshot],
         ears: LiveEars,
-        *,
         archive: Archive,
+        conversation: Conversation,
+        commands: Commands,
     ) -> None:
         self._cell = cell
         self._hearing = hearing
         self._publish = publish
         self._snapshot = snapshot
         self._ears = ears
+        self._conversation = conversation
+        self._commands = commands
         self._books = Books(cell)
         self._archive = archive
         self._overhearing: set[asyncio.Task[None]] = set()
@@ -126,11 +117,11 @@ class RequestDesk:
     ) -> Answer:
         body = request.body
         try:
-            _refuse_visitors(body.command, role)
+            refuse_visitors(body.command, role)
             if isinstance(body, Inquiry):
                 data, file = await self._archive.answer(body, role)
                 return Answer(self._reply(request, data=data), file)
-            message = await self._dispatch(body, attachment, role)
+            message = await self._dispatch(body, attachment, role, visitor_mark(request.visitor))
         except CellctlError as error:
             return Answer(self._reply(request, error=ReplyError.of(error)))
         except Exception as error:
@@ -163,17 +154,18 @@ class RequestDesk:
         )
 
     async def _dispatch(  # noqa: PLR0911 - one way out a command
-        self, body: Order, attachment: bytes | None, role: Role
+        self, body: Order, attachment: bytes | None, role: Role, owner: str
     ) -> str:
         match body:
             case SayCommand():
-                return await self.take(Utterance(text=body.text, source="text"), role)
+                said = Utterance(text=body.text, source="text")
+                return await self._conversation.take(said, role, owner)
             case ListenCommand():
                 return self._ears.listen()
             case MuteCommand():
                 return self._ears.mute(body.command == "mute")
             case HearCommand():
-                return await self._hear(body.name, _file(attachment, body.name), role)
+                return await self._hear(body.name, _file(attachment, body.name), role, owner)
             case BuildCommand():
                 content = _file(attachment, body.name)
                 await self._cell.controller.command(
@@ -181,9 +173,10 @@ class RequestDesk:
                 )
                 return f"Planning {body.name}."
             case ConfirmCommand():
-                return await self._word(body.answer, role)
+                answer = Input.YES if body.answer else Input.NO
+                return await self._conversation.press(answer, role, owner)
             case PlainCommand():
-                return await self._word(body.command, role)
+                return await self._plain(body.command, role, owner)
             case HandCommand():
                 return await self._hand(body)
             case GripperCommand():
@@ -192,52 +185,6 @@ class RequestDesk:
                 return ""
             case _:
                 return await self._books.take(body)
-
-    async def _word(self, word: str | bool, role: Role) -> str:
-        """Carry out a command without arguments, or a yes or no."""
-        controller = self._cell.controller
-        if isinstance(word, bool):
-            job = self._cell.active_job
-            yes = job.confirm_event() if job is not None else Event.CONFIRM
-            await controller.command(yes if word else Event.DECLINE)
-            return "Then I begin." if word else "Then I leave it."
-        if word == "another":
-            return await take_another(self._cell, role)
-        if word == "cancel":
-            self._refuse_to_cancel_anothers(role)
-        if word == "take_apart":
-            await controller.command(
-                Event.TAKE_APART,
-                lambda: self._cell.begin(Job.taking_apart(role)),
-                unless=self._why_nothing_to_take_apart,
-            )
-            return "I am working out how it comes apart."
-        if word in {"clear", "hand_over"}:
-            return await self._books.empty_workspace(handed_over=word == "hand_over")
-        if word == "pause" and role is Role.VISITOR and controller.state == "idle":
-            # Only an operator could lead out of it again.
-            raise RefusedError("There is nothing to pause.")
-        if word == "resume":
-            await self._resume()
-            return _DONE[word]
-        idle = controller.state == "idle"
-        await controller.command(_EVENTS[word])
-        return _NOTHING_MOVES if idle and word == "stop" else _DONE[word]
-
-    async def _resume(self) -> None:
-        """Go on; what is believed of a part in doubt is taken for granted then."""
-        cell = self._cell
-        if cell.controller.state == "paused_resting":
-            await cell.resume_doubt()
-        job = cell.active_job
-        why_not = job.why_not_resume if job is not None else None
-        await cell.controller.command(cell.resume_event(), unless=why_not)
-
-    def _why_nothing_to_take_apart(self) -> str:
-        idle = self._cell.controller.state == "idle"
-        return (
-            "Nothing stands in the workspace." if idle and not self._cell.builder.standing else ""
-        )
 
     async def _hand(self, command: HandCommand) -> str:
         hand = self._cell.hand
@@ -270,72 +217,42 @@ class RequestDesk:
 
         return why_not
 
-    async def take(self, utterance: Utterance, role: Role) -> str:
-        """Do what somebody said: a command, or a wish; returns what happens now.
+    async def _plain(self, command: str, role: Role, owner: str) -> str:
+        """A button. Who stands before the cell is asked first whether the object is taken along."""
+        if command in _PRESSED:
+            return await self._conversation.press(_PRESSED[command], role, owner)
+        if command == "hand_over" and role is Role.VISITOR:
+            return await self._conversation.press(Input.HAND_OVER, role, owner)
+        return await self._commands.take(command, role, owner)
 
-        Raises:
-            CellctlError: why it is not done.
-        """
-        word = spoken_command(utterance.text)
-        asks = self._cell.controller.state == "validating_confirming"
-        if word is not None:
-            # Before anything is built, "another one" is another shape for the same wish.
-            return await self._spoken_word("another" if asks and word == "again" else word, role)
-        if asks:
-            return await take_change(self._cell, utterance, role)
-        await self._cell.controller.command(
-            Event.SAY, lambda: self._cell.begin(Job(role, utterance=utterance))
-        )
-        return "I am thinking about it."
-
-    async def _hear(self, name: str, wav: bytes, role: Role) -> str:
+    async def _hear(self, name: str, wav: bytes, role: Role, owner: str) -> str:
         if self._cell.controller.state == "idle":
             await self._cell.controller.command(
-                Event.HEAR, lambda: self._cell.begin_audio(name, wav, role)
+                Event.HEAR, lambda: self._cell.begin_audio(name, wav, role, owner)
             )
-            return "I am listening."
+            return self._cell.sentences.wording.text("reply.listening")
         if len(self._overhearing) >= _OVERHEARING_LIMIT:
             raise RefusedError("Too many recordings wait to be heard.", "Try again in a moment.")
         with audio_file(wav) as path:
             samples = await asyncio.to_thread(read_wav, path, OVERHEARD_S)
-        task = asyncio.create_task(self._overhear(name, samples.tobytes(), role), name="overhear")
+        task = asyncio.create_task(
+            self._overhear(name, samples.tobytes(), role, owner), name="overhear"
+        )
         self._overhearing.add(task)
         task.add_done_callback(self._overhearing.discard)
         return "I am busy; I listen for stop and the like only."
 
-    async def _overhear(self, name: str, pcm: bytes, role: Role) -> None:
+    async def _overhear(self, name: str, pcm: bytes, role: Role, owner: str) -> None:
         """While a job is under way only the words of command count."""
         try:
             utterance = await self._hearing.hear_samples(pcm)
             self._publish(SpeechData(utterance=utterance), self._cell.controller.state)
-            word = spoken_command(utterance.text)
-            if word is None:
-                log.info("heard while busy", text=utterance.text)
-                return
-            await self._spoken_word(word, role)
+            if self._conversation.phrasebook.read(utterance.text).said is not Input.SENTENCE:
+                await self._conversation.take(utterance, role, owner)
         except CellctlError as error:
             log.info("heard while busy", name=name, reason=str(error))
         except Exception:
             log.exception("heard in vain", name=name)
-
-    async def _spoken_word(self, word: str, role: Role) -> str:
-        meaning = _WORDS.get(word)
-        if meaning is None:
-            raise UsageError(f"{word!r} is no command of this cell.")
-        if role is not Role.OPERATOR and meaning in OPERATOR_COMMANDS:
-            raise RefusedError(f"{word} needs the operator.")
-        return await self._word(meaning, role)
-
-    def _refuse_to_cancel_anothers(self, role: Role) -> None:
-        """A visitor may end what a visitor began; an operator everything."""
-        job = self._cell.job
-        if job is None or job.outcome:
-            return
-        if role is Role.VISITOR and job.role is not role:
-            raise RefusedError(
-                "The operator began this job; cancel needs the operator.",
-                "Say stop if the cell has to stop now.",
-            )
 
     async def close(self) -> None:
         """End what is still being listened to."""
@@ -343,11 +260,6 @@ class RequestDesk:
             task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await task
-
-
-def _refuse_visitors(command: str, role: Role) -> None:
-    if role is not Role.OPERATOR and command in OPERATOR_COMMANDS:
-        raise RefusedError(f"{command} needs the operator.")
 
 
 def _file(attachment: bytes | None, name: str) -> bytes:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cellctl.assembly import BuildPlan
+from cellctl.control.dialogue.naming import Naming
 from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
 from cellctl.control.recovery import Doubt
@@ -16,11 +19,18 @@ class Sentences:
     Args:
         wording: the messages of the cell's language.
         pitch_m: edge of a voxel.
+        copies_limit: how many of a kind one visitor gets.
+        available: how many parts there are to build with.
     """
 
-    def __init__(self, wording: Wording, pitch_m: float) -> None:
+    def __init__(
+        self, wording: Wording, pitch_m: float, copies_limit: int, available: Callable[[], int]
+    ) -> None:
         self.wording = wording
         self._pitch_m = pitch_m
+        self._copies_limit = copies_limit
+        self._available = available
+        self._naming = Naming(wording)
 
     def describe(
         self,
@@ -101,11 +111,13 @@ class Sentences:
         assert plan is not None, "a question is about a plan"
         if job.takes_apart:
             return self._line("ask.take_apart", amount=self._amount(len(plan.steps), plan))
+        title = self.name(job)
         sizes = " x ".join(f"{edge * self._pitch_m * 100:.0f}" for edge in plan.assembly.size)
-        notes = [*(change.what for change in plan.changes), *plan.questions]
+        said = (*(change.what for change in plan.changes), *plan.questions)
+        notes = [*(self.wording.translated(text) for text in said), *self._counted(job)]
         asked = self._line(
             "ask.change_over" if job.removes else "ask.build",
-            object=plan.title[:1].upper() + plan.title[1:] + _source(plan),
+            object=title[:1].upper() + title[1:] + _source(plan),
             size=sizes,
             amount=self._amount(len(plan.assembly.cells), plan),
             notes="".join(f" {note}" for note in notes),
@@ -114,6 +126,31 @@ class Sentences:
             other = job.shows_another
             return self._line("ask.another", question=asked.text) if other else asked
         return self._line("ask.unchanged", why=job.note, question=asked.text)
+
+    def copies_left(self, job: Job) -> int:
+        """How many more of its object come after the first; none where that would be too many."""
+        wanted = job.request.count if job.request is not None else 1
+        return wanted - 1 if 1 < wanted <= self._copies_possible(job) else 0
+
+    def _copies_possible(self, job: Job) -> int:
+        parts = job.plan.parts if job.plan is not None else 0
+        return min(self._copies_limit, self._available() // parts) if parts else 1
+
+    def _counted(self, job: Job) -> list[str]:
+        """What is said to a wish for several of a kind."""
+        if job.request is None or job.request.count <= 1 or len(job.request.objects) > 1:
+            return []
+        if self.copies_left(job):
+            return [self.wording.text("ask.one_by_one")]
+        most = self._copies_possible(job)
+        if most > 1:
+            return [self.wording.text("ask.too_many", most=most)]
+        return [self.wording.text("ask.too_many_parts")]
+
+    def name(self, job: Job) -> str:
+        """What the job is about, in the cell's language where that knows it."""
+        title = job.plan.title if job.plan is not None else ""
+        return self._naming.title(job.request, title)
 
     def _amount(self, parts: int, plan: BuildPlan) -> str:
         """How many parts, and how long they take where that is known."""
@@ -139,7 +176,7 @@ class Sentences:
             return self.cancelled(job)
         if job.takes_apart:
             return self.wording.text("done.taken_apart")
-        return self.wording.text("done.built", object=job.plan.title)
+        return self.wording.text("done.built", object=self.name(job))
 
     def cancelled(self, job: Job) -> str:
         """What is said when a job ended before its object was complete."""

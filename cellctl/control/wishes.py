@@ -78,6 +78,8 @@ class Wishes:
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
         self.recogniser = "not loaded"
+        self.explain: Callable[[Utterance, Request], str] = lambda _, request: _restate(request)
+        """Says to a visitor why a sentence begins no job."""
 
     async def hear(self, job: Job, post: Post) -> None:
         """Listen to the recording."""
@@ -113,7 +115,7 @@ class Wishes:
         assert job.utterance is not None
         request = job.request = await self.understand(job.utterance)
         if not request.buildable:
-            raise NoObjectError(_restate(request))
+            raise NoObjectError(self.explain(job.utterance, request))
 
         def keep() -> None:
             job.phase = Phase.GENERATING

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
 from cellctl.assembly import Request
 from cellctl.errors import NoObjectError
+
+_FEATURES = re.compile(r" (?:with|without|having|plus|of|and)\b")
+"""Where the name of a thing ends and its features begin."""
 
 
 def with_article(phrase: str) -> str:
     """``a stool``, ``an arch``; plural names such as ``steps`` stay alone."""
-    if phrase.endswith("s") and not phrase.endswith(("ss", "us", "glass")):
+    named = _FEATURES.split(phrase)[0]
+    if named.endswith("s") and not named.endswith(("ss", "us", "glass")):
         return phrase
     return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
 

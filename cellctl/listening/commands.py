@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 _SENTENCES: dict[str, tuple[str, ...]] = {
     "stop": (
@@ -100,28 +102,58 @@ _BRIEFLY = re.compile(r" for (?:a|one) (?:moment|second|minute|bit|while)$| a (?
                       r"minute|bit)$")  # fmt: skip
 
 
-def spoken_command(text: str) -> str | None:
+@dataclass(frozen=True)
+class Sayings:
+    """Control words of one more language, or of one's own; the English ones count always."""
+
+    sentences: Mapping[str, str] = field(default_factory=dict)
+    """Command by sentence, as ``plain`` makes it."""
+    polite: frozenset[str] = frozenset()
+    """Words that change nothing when they stand before or after a control word."""
+
+    @classmethod
+    def of(cls, listed: Mapping[str, object]) -> Sayings:
+        """From lists of sentences by command; the list ``polite`` holds polite words."""
+        lists = {name: group for name, group in listed.items() if isinstance(group, list)}
+        polite = frozenset(plain(str(word)) for word in lists.pop("polite", []))
+        return cls(
+            {plain(str(one)): name for name, group in lists.items() for one in group}, polite
+        )
+
+
+_ENGLISH_ONLY = Sayings()
+
+
+def plain(text: str) -> str:
+    """Lower-case words and nothing else, one space between them."""
+    letters = re.sub(r"[^\w' ]|[\d_]", " ", text.lower().replace("’", "'"))  # noqa: RUF001
+    return " ".join(letters.split())
+
+
+def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
     """The command that a sentence is, or None.
+
+    Args:
+        text: as heard or typed.
+        own: sentences that count besides the English ones.
 
     Returns:
         One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``take_apart``,
-        ``repeat``, ``again``, ``another`` and ``help``.
+        ``repeat``, ``again``, ``another`` and ``help``, or what else ``own`` knows.
     """
-    letters = re.sub(r"[^a-z' ]+", " ", text.lower().replace("’", "'"))  # noqa: RUF001
-    plain = " ".join(letters.split())
-    for sentence in (plain, _unasked(plain)):
-        if sentence in _BY_SENTENCE:
-            return _BY_SENTENCE[sentence]
+    said, polite = plain(text), _POLITE | own.polite
+    for sentence in (said, _unasked(said)):
         words = sentence.split()
-        while words and words[0] in _POLITE:
+        while words and words[0] in polite:
             words = words[1:]
-        while words and words[-1] in _POLITE:
+        while words and words[-1] in polite:
             words = words[:-1]
         if len(set(words)) == 1:
             words = words[:1]  # "stop stop stop"
-        if (name := _BY_SENTENCE.get(" ".join(words))) is not None:
-            return name
-    return _with_more(plain.split())
+        for one in (sentence, " ".join(words)):
+            if (name := own.sentences.get(one) or _BY_SENTENCE.get(one)) is not None:
+                return name
+    return _with_more(said.split())
 
 
 def _with_more(words: list[str]) -> str | None:

@@ -45,6 +45,7 @@ from cellctl.messages.dialogue import (
     Offer,
     Question,
     QueueEntry,
+    visitor_mark,
 )
 from cellctl.messages.envelope import (
     SCHEMA_VERSION,
@@ -169,4 +170,5 @@ __all__ = [
     "VoiceCondition",
     "VoiceData",
     "attachment_limit",
+    "visitor_mark",
 ]

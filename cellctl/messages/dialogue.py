@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from datetime import datetime
 from typing import Literal
 
@@ -26,6 +27,11 @@ Offer = Literal[
 """What makes sense to say or to press now."""
 
 
+def visitor_mark(secret: str) -> str:
+    """What everybody may know of a visitor: enough to tell one from another; empty for none."""
+    return hashlib.sha256(secret.encode()).hexdigest()[:12] if secret else ""
+
+
 class QueueEntry(Value):
     """A wish that waits for its turn."""
 
@@ -38,8 +44,6 @@ class QueueEntry(Value):
     name: str = ""
     """What the visitor wants to be called."""
     since: datetime
-    asked: bool = False
-    """Its turn has come, and its owner is asked whether it is still wanted."""
 
 
 class DialogueData(Value):

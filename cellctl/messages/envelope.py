@@ -82,6 +82,9 @@ class ControlRequest(Value):
     schema_version: Literal[2] = SCHEMA_VERSION
     id: Annotated[str, Field(min_length=1, max_length=64)]
     """Chosen by the one who asks; the reply carries it."""
+    visitor: Annotated[str, Field(max_length=64)] = ""
+    """A visitor's secret, such as a browser draws for itself: who shows it again is the owner of
+    the same jobs and wishes. Empty for the one in front of the cell, by voice or at its screen."""
     body: Command
 
 

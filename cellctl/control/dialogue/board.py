@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import timedelta
+from datetime import datetime, timedelta
 
 from cellctl.clock import Clock
 from cellctl.control.cell import Cell
+from cellctl.control.dialogue.naming import Naming
 from cellctl.control.dialogue.scene import Scene
 from cellctl.messages import (
     DialogueData,
     EarsCondition,
+    QueueEntry,
     SpeechData,
     StateData,
     StatusData,
@@ -29,6 +31,7 @@ class DialogueBoard:
         cell: what the conversation is about.
         clock: tells the calendar time.
         ears: whether the cell listens.
+        queue: the wishes that wait.
         speaker: says lines aloud.
         publish: sends a status message.
     """
@@ -37,13 +40,18 @@ class DialogueBoard:
         self,
         cell: Cell,
         clock: Clock,
+        *,
         ears: Callable[[], EarsCondition],
+        queue: Callable[[], tuple[QueueEntry, ...]],
         speaker: Speaker,
         publish: Callable[[StatusData], None],
     ) -> None:
         self._cell = cell
         self._clock = clock
         self._ears = ears
+        self._queue = queue
+        self._naming = Naming(cell.sentences.wording)
+        self._hand_over = False
         self._speaker = speaker
         self._publish = publish
         self._number = 0
@@ -75,7 +83,11 @@ class DialogueBoard:
             question=scene.question,
             offers=scene.offers,
             speaking=self._speaker.speaking,
+            queue=self._queue(),
         )
+        job = self._cell.active_job
+        if job is not None:
+            self._change(owner=job.owner, owner_name=job.owner_name)
         if scene.phase != "asking":
             self._change(deadline=None)
         if self.data != self._told:
@@ -91,12 +103,35 @@ class DialogueBoard:
             active=job is not None,
             takes_apart=job is not None and job.takes_apart,
             standing=bool(self._cell.builder.standing),
+            hand_over=self._hand_over,
         )
+
+    def heard(self, text: str) -> None:
+        """Somebody said or typed something."""
+        self._change(heard=text, understood="")
+
+    def hush(self) -> None:
+        """Stop speaking."""
+        self._speaker.hush()
+        self.refresh()
+
+    def ask_hand_over(self, deadline: datetime | None) -> None:
+        """It is asked whether somebody takes along what stands; None: no longer."""
+        self._hand_over = deadline is not None
+        self._change(deadline=deadline)
+        self.refresh()
 
     def _heard(self, data: SpeechData) -> None:
         request = data.request
-        understood = request.phrase if request is not None and request.buildable else ""
-        self._change(heard=data.utterance.text, understood=understood)
+        if request is None or not request.buildable:
+            self._change(heard=data.utterance.text)
+            return
+        wish = self._naming.wish(request)
+        line = self._cell.sentences.wording.line(
+            "understood.wish", wish=wish[:1].upper() + wish[1:]
+        )
+        self._change(heard=data.utterance.text, understood=line.text)
+        self.say(line)
 
     def _entered(self, state: str) -> None:
         line = self._cell.line

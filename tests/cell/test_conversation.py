@@ -1,0 +1,168 @@
+"""Visits at a running cell: what is said, what is asked, whose turn it is, and who may say yes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from cellctl.errors import RefusedError
+from cellctl.messages import DialogueData, visitor_mark
+from tests.cell.harness import RunningCell, bar, running_cell
+
+pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[RunningCell]:
+    talk = {"take_along_s": 2.0, "queue_limit": 2}
+    with running_cell(speed=20.0, policy={"confirmation": "ask"}, dialogue=talk) as running:
+        yield running
+
+
+@pytest.fixture
+def idle(cell: RunningCell) -> Iterator[RunningCell]:
+    cell.begin_test()
+    yield cell
+    assert cell.client.snapshot().dialogue.queue == ()
+    cell.bring_back()
+
+
+def said(cell: RunningCell, text: str, visitor: str = "") -> str:
+    cell.visitor.visitor = visitor
+    try:
+        return cell.visitor.say(text).message
+    finally:
+        cell.visitor.visitor = ""
+
+
+def refused(cell: RunningCell, text: str, visitor: str = "") -> str:
+    with pytest.raises(RefusedError) as error:
+        said(cell, text, visitor)
+    return str(error.value)
+
+
+def dialogue(cell: RunningCell) -> DialogueData:
+    return cell.client.snapshot().dialogue
+
+
+def lines(cell: RunningCell) -> list[str]:
+    """Everything said since the test began, in its order."""
+    while any(cell.seen.append(message) or True for message in cell.client.messages(0.0)):
+        pass
+    numbered: dict[int, str] = {}
+    for message in cell.seen:
+        if message.topic == "dialogue":
+            data = message.payload()
+            assert isinstance(data, DialogueData)
+            if data.line is not None:
+                numbered[data.line.number] = data.line.text
+    return [numbered[number] for number in sorted(numbered)]
+
+
+def test_a_wish_is_understood_read_back_changed_and_only_built_after_a_yes(
+    idle: RunningCell,
+) -> None:
+    assert dialogue(idle).phase == "ready"
+    assert dialogue(idle).offers == ()
+    said(idle, "a table with four legs")
+    idle.wait_state("validating_confirming")
+    asking = dialogue(idle)
+    assert (asking.phase, asking.question) == ("asking", "build")
+    assert asking.offers == ("yes", "no", "another", "change")
+    assert asking.understood == "A table with four legs."
+    assert asking.deadline is not None
+    assert asking.line is not None
+    assert asking.line.key == "ask.build"
+    assert "parts, about" in asking.line.text
+    assert "It takes about" in said(idle, "how long will it take?")
+    assert "parts" in said(idle, "How many parts are left?")
+    assert refused(idle, "good weather today").endswith("make it taller.")
+    assert idle.client.snapshot().state.state == "validating_confirming"
+    said(idle, "the letter T")
+    idle.wait(
+        "the other question",
+        lambda now: now.dialogue.question == "build" and now.dialogue.understood == "A letter T.",
+    )
+    assert said(idle, "no thanks") == "Then I leave it."
+    assert idle.finish().outcome == "declined"
+    assert idle.truth().built == ()
+    assert "A table with four legs." in lines(idle)
+
+
+def test_what_is_not_understood_is_helped_differently_each_time(idle: RunningCell) -> None:
+    help_given = []
+    for nonsense in ("the weather is nice", "my dog ate it", "we went home", "it rained"):
+        said(idle, nonsense)
+        help_given.append(idle.finish().message)
+    assert len(set(help_given[:3])) == 3
+    assert help_given[2] == help_given[3]
+    assert said(idle, "help").startswith("Tell me what to build")
+    said(idle, "it rained again")
+    assert idle.finish().message == help_given[0]
+
+
+def test_somebody_else_waits_in_line_and_cannot_say_yes(idle: RunningCell) -> None:
+    said(idle, "the letter T")
+    idle.wait_state("validating_confirming")
+    assert "Another visitor" in refused(idle, "yes", "anna")
+    assert "Another visitor" in refused(idle, "make it taller", "anna")
+    assert said(idle, "call me Anna", "anna") == "Hello Anna."
+    waits = said(idle, "the letter L", "anna")
+    assert "you are number 1" in waits
+    entry = dialogue(idle).queue[0]
+    assert (entry.name, entry.owner, entry.wish) == ("Anna", visitor_mark("anna"), "a letter L")
+    assert said(idle, "the letter I", "ben").endswith("number 2 in the line.")
+    assert "no more wishes can wait" in refused(idle, "the letter V", "ben")
+    assert "2 wishes wait" in said(idle, "who is next?")
+    assert "dropped your wish" in said(idle, "cancel", "ben")
+    assert idle.client.snapshot().state.state == "validating_confirming"
+    said(idle, "no")
+    turn = idle.wait(
+        "Anna's turn", lambda now: now.dialogue.owner_name == "Anna" and bool(now.dialogue.question)
+    )
+    assert turn.dialogue.queue == ()
+    assert any("Anna, it is your turn" in line for line in lines(idle))
+    assert "Another visitor" in refused(idle, "yes")
+    said(idle, "no", "anna")
+    assert idle.finish().outcome == "declined"
+    assert idle.truth().built == ()
+
+
+def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
+    idle: RunningCell,
+) -> None:
+    assert refused(idle, "it's mine") == "Nothing stands in the workspace."
+    idle.client.build("bar.json", bar(1, 1, 1))
+    idle.wait_state("validating_confirming")
+    said(idle, "yes")
+    working = idle.wait("work", lambda now: now.dialogue.phase == "building").dialogue
+    assert working.offers == ("stop", "cancel")
+    assert "I am building" in said(idle, "what are you doing?")
+    assert said(idle, "two stools", "anna").endswith("number 1 in the line.")
+    assert "dropped" in said(idle, "cancel", "anna")
+    idle.finish()
+    assert set(dialogue(idle).offers) == {"take_apart", "hand_over"}
+    assert "1 part" in said(idle, "thank you, it is mine")
+    asking = dialogue(idle)
+    assert (asking.phase, asking.question) == ("asking", "hand_over")
+    idle.wait("silence", lambda now: now.dialogue.question == "")
+    assert idle.client.snapshot().standing != ()
+    said(idle, "I'll take it")
+    idle.world.hand_over()
+    assert "1 part handed over" in said(idle, "yes")
+    assert idle.client.snapshot().standing == ()
+    idle.assert_inventory_true()
+
+
+def test_counts_are_told_what_is_possible(idle: RunningCell) -> None:
+    said(idle, "a hundred chairs")
+    snapshot = idle.wait_state("validating_confirming")
+    assert "more than I can make for one visitor" in snapshot.state.sentence or (
+        "not enough parts for more than one" in snapshot.state.sentence
+    )
+    said(idle, "no")
+    said(idle, "two letters T")
+    assert "begin with the first" in idle.wait_state("validating_confirming").state.sentence
+    said(idle, "no")
+    assert dialogue(idle).queue == ()
