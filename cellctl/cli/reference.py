@@ -20,6 +20,7 @@ from pydantic.fields import FieldInfo
 from cellctl import config, errors
 from cellctl.cli.reference_bus import bus_page, reply_schema, request_schema, status_schema
 from cellctl.cli.reference_design import families_page, schema_page
+from cellctl.cli.reference_dialogue import dialogue_page
 from cellctl.cli.reference_plan import plan_schema
 from cellctl.cli.reference_states import states_page
 from cellctl.config import dialogue, generating, kiosk, machines, place, services, understanding
@@ -235,6 +236,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "faults.md": faults_page,
     "options.md": options_page,
     "plan.schema.json": plan_schema,
+    "dialogue.md": lambda: dialogue_page(NOTE),
     "states.md": lambda: states_page(NOTE),
 }
 """File name -> what writes it."""

@@ -162,7 +162,7 @@ def test_counts_are_told_what_is_possible(idle: RunningCell) -> None:
         "not enough parts for more than one" in snapshot.state.sentence
     )
     said(idle, "no")
-    said(idle, "two letters T")
+    said(idle, "two pillars 30 cm high")
     assert "begin with the first" in idle.wait_state("validating_confirming").state.sentence
     said(idle, "no")
     assert dialogue(idle).queue == ()

@@ -24,7 +24,7 @@ _INPUTS = {
     "take_apart": Input.TAKE_APART,
     "hand_over": Input.HAND_OVER,
     "another": Input.ANOTHER,
-    "again": Input.ANOTHER,
+    "again": Input.AGAIN,
     "repeat": Input.REPEAT,
     "help": Input.HELP,
 }

@@ -39,7 +39,9 @@ class Input(StrEnum):
     CHANGE = "change"
     """``make it taller``."""
     ANOTHER = "another"
-    """``something else``, ``another one``."""
+    """``show me another``, ``something else``."""
+    AGAIN = "again"
+    """``another one``, ``build it again``."""
     UNCLEAR = "unclear"
     """What was understood is nothing to do."""
     YES = "yes"
@@ -162,11 +164,15 @@ TABLE: tuple[Row, ...] = (
     Row(Input.CHANGE, (Place.ASKING_BUILD,), Act.CHANGE),
     Row(Input.CHANGE, (Place.ASKING_APART,), Act.EXPLAIN_ANSWER),
     Row(Input.CHANGE, (*_AT_REST, *_BUSY, *_OUT), Act.EXPLAIN_CHANGE),
-    Row(Input.ANOTHER, _AT_REST, Act.BEGIN_AGAIN, Place.READY),
     Row(Input.ANOTHER, (Place.ASKING_BUILD,), Act.ANOTHER),
     Row(Input.ANOTHER, (Place.ASKING_APART,), Act.EXPLAIN_ANSWER),
-    Row(Input.ANOTHER, _BUSY, Act.QUEUE_AGAIN),
-    Row(Input.ANOTHER, _OUT, Act.EXPLAIN_STATE),
+    Row(Input.ANOTHER, (*_AT_REST, *_BUSY, *_OUT), Act.NOTHING_ASKED),
+    # Before anything is built, "another one" is another shape for the same wish.
+    Row(Input.AGAIN, _AT_REST, Act.BEGIN_AGAIN, Place.READY),
+    Row(Input.AGAIN, (Place.ASKING_BUILD,), Act.ANOTHER),
+    Row(Input.AGAIN, (Place.ASKING_APART,), Act.EXPLAIN_ANSWER),
+    Row(Input.AGAIN, _BUSY, Act.QUEUE_AGAIN),
+    Row(Input.AGAIN, _OUT, Act.EXPLAIN_STATE),
     Row(Input.UNCLEAR, (*_AT_REST, *_BUSY, *_OUT), Act.EXPLAIN),
     Row(Input.UNCLEAR, _ASKING, Act.EXPLAIN_ANSWER),
     # Answers. Silence means no.
@@ -224,6 +230,7 @@ STRANGERS: tuple[Row, ...] = (
     Row(Input.UNCLEAR, _ASKING, Act.EXPLAIN),
     Row(Input.WISH, _ASKING, Act.QUEUE),
     Row(Input.ANOTHER, _ASKING, Act.NOT_YOURS),
+    Row(Input.AGAIN, _ASKING, Act.NOT_YOURS),
 )
 """What follows instead when somebody else says it while a job's owner is asked."""
 
