@@ -9,6 +9,7 @@ import typer
 
 from cellctl.config import load_config
 from cellctl.keys import require_server_key
+from cellctl.wording import load_wording
 
 
 def register(app: typer.Typer) -> None:
@@ -21,6 +22,7 @@ def register(app: typer.Typer) -> None:
         """Say whether a configuration is right, and what is wrong with it if not."""
         config = load_config(file)
         require_server_key(config.bus.endpoints, Path(config.bus.keys))
+        load_wording(config.dialogue.language, config.dialogue.messages_folder)
         nx, ny, nz = config.grid
         typer.echo(
             f"{file}: right. {config.cell.name} ({config.cell.kind}), {config.robot.model}, "

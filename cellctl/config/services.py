@@ -14,8 +14,9 @@ from cellctl.endpoints import endpoint_problem
 class HearingSection(Section):
     """Where words come from."""
 
-    language: Literal["en", "ko"] = "en"
-    """The language that is recognised."""
+    language: Annotated[str, Field(pattern=r"^[a-z]{2,3}$")] = "en"
+    """The language that is recognised; for others than ``en`` and ``ko`` a Vosk model is needed, in
+    the model folder or named by model_path."""
     model_path: str | None = None
     """A Vosk model folder; when set it must be good, nothing else is tried."""
     model_folder: str = "/var/lib/cellctl/models"

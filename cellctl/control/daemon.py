@@ -68,6 +68,7 @@ class Daemon:
 
     def __init__(self, config: CellConfig) -> None:
         self.config = config
+        wording = load_wording(config.dialogue.language, config.dialogue.messages_folder)
         self.clock: Clock = SystemClock(config.cell.clock_rate)
         self.bus = Bus(config.bus, self.clock, config.hearing.max_audio_s)
         self.loop_monitor = LoopMonitor()
@@ -96,7 +97,6 @@ class Daemon:
         )
         self.devices = Devices(self.arm, hands, belt, gripper_board, self.hearing, self.designer)
         self.builder = Dismantler(config, self.clock, hands=hands, belt=belt, journal=self.journal)
-        wording = load_wording(config.dialogue.language, config.dialogue.messages_folder)
         self.cell = Cell(
             config,
             self.clock,

@@ -31,6 +31,7 @@ from cellctl.control.proposals import Proposals
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError
 from cellctl.listening.hearing import Hearing
+from cellctl.listening.translating import TranslatingInterpreter, Translator
 from cellctl.listening.understanding.choosing import interpreter_for
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
@@ -75,6 +76,8 @@ class Wishes:
         self._ledger = ledger
         self._wording = wording
         self._interpreter: Interpreter = interpreter_for(config)
+        if translator := Translator(wording.hearing.get("words", {})):
+            self._interpreter = TranslatingInterpreter(self._interpreter, translator)
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
         self.recogniser = "not loaded"

@@ -44,6 +44,12 @@ _HINTS = {
 }
 
 
+_OTHER_HINT = (
+    "Set hearing.model_path to an unpacked Vosk model of that language, or put one into "
+    "hearing.model_folder."
+)
+
+
 @dataclass(frozen=True)
 class FoundModel:
     """A model folder, and the engine that reads it."""
@@ -80,12 +86,12 @@ def find_model(settings: HearingSection, archive: PinnedArchive = VOSK_SMALL_ENG
         folder = _downloaded(settings, archive, tried)
     if folder is not None:
         return FoundModel("vosk", folder, f"vosk {folder.name}")
-    packaged = _packaged_korean(tried) if settings.language == "ko" else _packaged_whisper(tried)
+    packaged = _packaged(settings.language, tried)
     if packaged is not None:
         return packaged
     raise HearingError(
         f"No model to recognise {settings.language!r} speech with. Tried: {'; '.join(tried)}.",
-        _HINTS[settings.language],
+        _HINTS.get(settings.language, _OTHER_HINT),
     )
 
 
@@ -136,7 +142,7 @@ def _in_usual_folders(settings: HearingSection, tried: list[str]) -> Path | None
         return None
     for parent in usual_folders(settings):
         found = False
-        for pattern in _PATTERNS[settings.language]:
+        for pattern in _patterns(settings.language):
             for folder in sorted(parent.glob(pattern)):
                 found = True
                 if not (lacking := missing_files(folder)):
@@ -160,6 +166,21 @@ def _downloaded(settings: HearingSection, archive: PinnedArchive, tried: list[st
     except HearingError as error:
         tried.append(f"download: {error.message.rstrip('.')}")
         return None
+
+
+def _patterns(language: str) -> tuple[str, ...]:
+    other = (f"vosk-model-small-{language}*", f"vosk-model-{language}*")
+    return _PATTERNS.get(language, other)
+
+
+def _packaged(language: str, tried: list[str]) -> FoundModel | None:
+    match language:
+        case "en":
+            return _packaged_whisper(tried)
+        case "ko":
+            return _packaged_korean(tried)
+        case _:
+            return None
 
 
 def _packaged_whisper(tried: list[str]) -> FoundModel | None:

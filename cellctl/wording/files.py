@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gettext
 import tomllib
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -67,7 +68,9 @@ def _checked(file: Traversable, language: str) -> Wording:
         raise ConfigError(f"{file}: says language = {wording.language!r}, not {language!r}.")
     if language != REFERENCE_LANGUAGE and (wrong := differences(wording)):
         raise ConfigError("\n".join(f"{file}: {line}" for line in wrong))
-    return wording
+    if language == REFERENCE_LANGUAGE:
+        return wording
+    return replace(wording, reference=_packaged(REFERENCE_LANGUAGE))
 
 
 def differences(wording: Wording) -> list[str]:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import gettext
+import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from cellctl.wording.line import Line
 
 REFERENCE_LANGUAGE = "en"
 """The language whose file says which messages there are, and which fields each has."""
+
+_WRITTEN = ("refused.", "change.")
+"""Tables of the sentences that are written where they arise, in the reference's language."""
 
 Forms = tuple[str, ...]
 """The wordings of one message: one, or one for each form of the language's plural."""
@@ -26,6 +31,7 @@ class Wording:
         plural: which form a count takes, as gettext has it: an expression of ``n`` in C.
         messages: forms by dotted key.
         hearing: what people say in it: sentences and words, for those who interpret them.
+        reference: the messages that say what the code itself writes; None for those themselves.
     """
 
     language: str
@@ -33,6 +39,7 @@ class Wording:
     plural: str
     messages: Mapping[str, Forms]
     hearing: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    reference: Wording | None = None
 
     def text(self, key: str, **fields: object) -> str:
         """A message with its fields filled in.
@@ -58,7 +65,19 @@ class Wording:
 
         It is found by the reference's wording, with its fields; what is not found stays as it is.
         """
+        if self.reference is None:
+            return text
+        for key, pattern in self.reference.patterns:
+            if match := pattern.fullmatch(text):
+                return self.text(key, **match.groupdict())
         return text
+
+    @cached_property
+    def patterns(self) -> tuple[tuple[str, re.Pattern[str]], ...]:
+        """Messages that the code itself writes, as patterns; the plainest first."""
+        written = [(k, forms[0]) for k, forms in self.messages.items() if k.startswith(_WRITTEN)]
+        written.sort(key=lambda one: len(fields_of((one[1],))))
+        return tuple((key, _pattern(form)) for key, form in written)
 
     def has(self, key: str) -> bool:
         """Whether there is such a message."""
@@ -72,6 +91,15 @@ class Wording:
             for key, forms in self.messages.items()
             if key.startswith(start) and not fields_of(forms)
         }
+
+
+def _pattern(form: str) -> re.Pattern[str]:
+    """What a message looks like with its fields filled in."""
+    pieces = [
+        re.escape(text) + (f"(?P<{name}>.+?)" if name is not None else "")
+        for text, name, _, _ in string.Formatter().parse(form)
+    ]
+    return re.compile("".join(pieces))
 
 
 def fields_of(forms: Forms) -> frozenset[str]:

@@ -1,0 +1,69 @@
+"""A daemon speaks the language that its configuration names, be it from a file of one's own."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+from cellctl.config import HearingSection
+from cellctl.control.daemon import Daemon
+from cellctl.control.dialogue.table import Input
+from cellctl.errors import ConfigError, HearingError
+from cellctl.listening.models import find_model
+from tests.cell.harness import cell_config
+
+
+@contextmanager
+def daemon(folder: Path, **dialogue: Any) -> Iterator[Daemon]:
+    """A daemon that is put together and does not run."""
+    journal = {"path": str(folder / "journal.db")}
+    made = Daemon(cell_config(dialogue=dialogue, journal=journal))
+    try:
+        yield made
+    finally:
+        made.bus.close()
+
+
+def test_a_third_language_is_a_file_in_a_folder(tmp_path: Path) -> None:
+    english = resources.files("cellctl.wording") / "en.toml"
+    document = tomllib.loads(english.read_text(encoding="utf-8"))
+    document |= {"language": "nl", "name": "Nederlands"}
+    document["state"]["starting"] = "Ik maak me klaar."
+    document["hearing"] = {
+        "commands": {"yes": ["ja", "ja graag"], "stop": ["stop maar"]},
+        "questions": {"can_make": ["wat kun je maken"]},
+        "words": {"ik wil": "i want", "een": "a", "krukje": "stool"},
+        "things": {"stool": "een krukje"},
+    }
+    (tmp_path / "nl.toml").write_text(tomli_w.dumps(document), encoding="utf-8")
+    with daemon(tmp_path, language="nl", messages_folder=str(tmp_path)) as dutch:
+        assert dutch.cell.line.text == "Ik maak me klaar."
+        assert dutch.cell.line.language == "nl"
+        book = dutch.conversation.phrasebook
+    assert book.read("Ja graag!").said is Input.YES
+    assert book.read("stop maar").said is Input.STOP
+    assert book.read("Wat kun je maken?").topic == "can_make"
+    assert book.read("what can you make?").topic == "can_make"
+    with daemon(tmp_path, language="de") as german:
+        assert german.cell.line.text == "Ich mache mich bereit."
+
+
+def test_a_daemon_without_words_does_not_begin(tmp_path: Path) -> None:
+    with (
+        pytest.raises(ConfigError, match="no messages in that language"),
+        daemon(tmp_path, language="xx"),
+    ):
+        pass
+
+
+def test_a_language_without_a_packaged_recogniser_needs_a_model(tmp_path: Path) -> None:
+    with pytest.raises(HearingError, match="'nl'") as refused:
+        find_model(HearingSection(language="nl", model_folder=str(tmp_path)))
+    assert "hearing.model_path" in refused.value.hint
