@@ -152,7 +152,7 @@ class LiveEars:
         also so while the cell asks: for a change."""
         state = self._state()
         open_to_all = self._settings.activation == "open"
-        return state in _REQUEST_STATES or (open_to_all and state in _ASKING_STATES)
+        return state in _REQUEST_STATES or (open_to_all and self._asks())
 
     async def _events(self, ears: Ears) -> None:
         while True:
