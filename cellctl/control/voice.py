@@ -16,7 +16,7 @@ from cellctl.wording.wording import fields_of
 
 log = structlog.get_logger(__name__)
 
-_NEVER_SAID = ("page.", "place.")
+_NEVER_SAID = ("place.", "refused.", "change.")
 """Messages that are only shown, or that are parts of others."""
 
 

@@ -48,8 +48,8 @@ def dialogue(cell: RunningCell) -> DialogueData:
 
 def lines(cell: RunningCell) -> list[str]:
     """Everything said since the test began, in its order."""
-    while any(cell.seen.append(message) or True for message in cell.client.messages(0.0)):
-        pass
+    while waiting := list(cell.client.messages(0.0)):
+        cell.seen.extend(waiting)
     numbered: dict[int, str] = {}
     for message in cell.seen:
         if message.topic == "dialogue":

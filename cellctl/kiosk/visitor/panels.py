@@ -132,14 +132,12 @@ class Queue:
             return
         self._shown = now.queue
         self._list.clear()
-        words = self._page.words
         with self._list:
             for entry in now.queue:
                 with box("li"):
                     Text("span", entry.wish, "queue__wish")
                     name = entry.name or f"#{entry.ticket}"
-                    asked = words.say("visit.yours", name=name) if entry.asked else name
-                    Text("span", asked, "small")
+                    Text("span", name, "small")
 
 
 class TakeHome:
