@@ -17,6 +17,7 @@ from cellctl import __version__
 from cellctl.cli import (
     backup_commands,
     boards_command,
+    calibrate_command,
     catalogue_command,
     commission_command,
     config_commands,
@@ -86,6 +87,7 @@ for module in (
     history_commands,
     doctor_command,
     commission_command,
+    calibrate_command,
     ears_commands,
     voice_commands,
     sim_commands,

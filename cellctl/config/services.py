@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from cellctl.assembly import Role
-from cellctl.config.section import Positive, Section
+from cellctl.config.section import Pose, Positive, Section
 from cellctl.endpoints import endpoint_problem
 
 
@@ -140,6 +140,12 @@ class EmulationSection(Section):
     """Where faults are injected and the world's truth is read."""
     seed: int = 1
     """Of everything that is random in it."""
+    shifted_tool: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """The emulated tool is moved by this, in its own frame, against what ``tool.frame`` says."""
+    shifted_base: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """The same of the robot with its pedestal, and ``base.frame`` and ``pedestal.frame``."""
+    shifted_feeder: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """The same of the conveyor, and ``feeder.frame``."""
     controller_version: Literal["3.15", "5.12"] = "5.12"
     """Controller software to emulate; 3.15 is a CB3 with 125 Hz."""
     firmware: Literal["plain", "elf"] = "plain"

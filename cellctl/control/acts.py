@@ -52,6 +52,8 @@ class ActKind(StrEnum):
     """An operator says where the part is that was in doubt."""
     COUNT = "count"
     """An operator has counted parts."""
+    CALIBRATED = "calibrated"
+    """Something of the cell was measured; the detail says what came of it."""
     OWN = "own"
     """Parts were bought or sold: the one act that changes their number."""
 

@@ -11,6 +11,7 @@ from cellctl.control.states import Event
 from cellctl.errors import RefusedError, UsageError
 from cellctl.feeding.inventory import Move
 from cellctl.messages import (
+    CalibratedCommand,
     CountCommand,
     MissingCommand,
     OwnCommand,
@@ -32,7 +33,13 @@ class Books:
         self._cell = cell
 
     async def take(
-        self, said: RefillCommand | RecoverCommand | MissingCommand | CountCommand | OwnCommand
+        self,
+        said: RefillCommand
+        | RecoverCommand
+        | MissingCommand
+        | CountCommand
+        | OwnCommand
+        | CalibratedCommand,
     ) -> str:
         """Take note of what an operator says.
 
@@ -55,6 +62,10 @@ class Books:
                 return await self._count(said)
             case OwnCommand():
                 return await self._own(said)
+            case CalibratedCommand():
+                await self._cell.controller.command(Event.BOOK)
+                await self._cell.record(ActKind.CALIBRATED, detail=f"{said.what}: {said.note}")
+                return "Written down."
 
     async def empty_workspace(self, *, handed_over: bool) -> str:
         """What stood was taken along by somebody, or taken apart into the stock.

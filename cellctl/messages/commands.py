@@ -114,6 +114,14 @@ class CountCommand(Value):
     note: Annotated[str, Field(max_length=200)] = ""
 
 
+class CalibratedCommand(Value):
+    """Write down that something of the cell was measured, and with what result."""
+
+    command: Literal["calibrated"] = "calibrated"
+    what: Literal["frames", "speed"]
+    note: Annotated[str, Field(min_length=1, max_length=1000)]
+
+
 class OwnCommand(Value):
     """Tell how many parts the cell owns, after some were bought or sold."""
 
@@ -213,6 +221,7 @@ Order = (
     | MissingCommand
     | CountCommand
     | OwnCommand
+    | CalibratedCommand
     | HandCommand
     | GripperCommand
 )
@@ -221,7 +230,7 @@ Command = Annotated[Order | Inquiry, Field(discriminator="command")]
 
 OPERATOR_COMMANDS = frozenset(
     {"build", "resume", "reset", "clear", "refill", "recover", "missing", "count", "own", "hand"}
-    | {"unmute", "gripper", "history", "job", "about", "audit"}
+    | {"unmute", "calibrated", "gripper", "history", "job", "about", "audit"}
 )
 """Commands that a visitor may not give."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import difflib
 from typing import Any
 
+import numpy as np
 import structlog
 
 from cellctl.assembly import Cell
 from cellctl.boards.constants import ResetCause
 from cellctl.config import CellConfig
 from cellctl.errors import UsageError
+from cellctl.sim.as_built import as_built
 from cellctl.sim.boards import Board, GripperBoard, make_boards
 from cellctl.sim.faults import FAULTS, Device, Fault
 from cellctl.sim.latch import LatchFault
@@ -19,6 +21,7 @@ from cellctl.sim.ur.controller import UrController
 from cellctl.sim.ur.options import UrOptions
 from cellctl.sim.wiring import CellPlant
 from cellctl.sim.world import World
+from cellctl.sim.world_geometry import inverse, pose_matrix, rotation
 from cellctl.sim.world_values import Imperfections, Violation
 
 log = structlog.get_logger(__name__)
@@ -47,7 +50,8 @@ class EmulatedCell:
             )
         self.config = config
         self.seed = config.emulation.seed
-        self.world = World(config, self.seed, imperfections, _log_violation)
+        built = as_built(config)
+        self.world = World(built, self.seed, imperfections, _log_violation)
         self.latch, self.gripper_board, self.conveyor = make_boards(self.world, config)
         self._plant = CellPlant(self.world, self.latch, config.gripper)
         self.robot = UrController(
@@ -101,6 +105,8 @@ class EmulatedCell:
         """
         fault, values = _checked(name, arguments)
         match fault.device:
+            case Device.ROBOT if fault.effect == "guide":
+                self._guide(values)
             case Device.ROBOT:
                 self.robot.inject(fault.effect, **values)
             case Device.CONVEYOR:
@@ -195,6 +201,18 @@ class EmulatedCell:
             self.gripper_board.reset(ResetCause.POWER)
         else:
             self.latch.reboot()
+
+    def _guide(self, values: dict[str, Any]) -> None:
+        """Somebody guides the arm until the tip of a pin is at a point of the cell frame."""
+        built = self.world.config
+        tip = np.eye(4)
+        tilt = np.array([values["tilt_x_rad"], values["tilt_y_rad"], 0.0])
+        tip[:3, :3] = rotation(tilt) @ np.diag([1.0, -1.0, -1.0])
+        tip[:3, 3] = [values[name] for name in ("x_m", "y_m", "z_m")]
+        pin = pose_matrix((0.0, 0.0, values["pin_m"], 0.0, 0.0, 0.0))
+        tool = pose_matrix(built.tool.frame) @ pin
+        self.world.lose_sight()
+        self.robot.guide(inverse(pose_matrix(built.base.frame)) @ tip @ inverse(tool))
 
     def _inject_world(self, fault: Fault, values: dict[str, Any]) -> None:
         match fault.effect:

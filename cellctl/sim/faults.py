@@ -219,6 +219,22 @@ _ROBOT = (
         remedy="Move it back: inject it with fraction 1.",
     ),
     Fault(
+        "arm_guided",
+        Device.ROBOT,
+        "guide",
+        "Somebody guides the arm by hand until a tip below the gripper is at a point.",
+        (
+            Parameter("x_m", float, "the point along x, in the cell frame", required=True),
+            Parameter("y_m", float, "along y", required=True),
+            Parameter("z_m", float, "its height", required=True),
+            Parameter("pin_m", float, "how far the tip is below the TCP", 0.0),
+            Parameter("tilt_x_rad", float, "how far the tool is tilted about x", 0.0),
+            Parameter("tilt_y_rad", float, "and about y", 0.0),
+        ),
+        once=True,
+        remedy="Guide it back, or move it with `cellctl hand`.",
+    ),
+    Fault(
         "reduced_mode",
         Device.ROBOT,
         "reduced_mode",

@@ -164,6 +164,11 @@ class World(Parts):
         seated[2, 3] = (cell.z + 1) * self._pitch_m
         self._gripped = (cell, seated)
 
+    def lose_sight(self) -> None:
+        """The arm is somewhere else at once: a person guided it there, and looked out."""
+        self._span = None
+        self._links.lose_sight()
+
     def tcp_force_n(self) -> Floats:
         """What acts on the tool from outside, (3,) in the base frame, in N. Part and gripper do not
         count: the robot knows what it carries."""

@@ -112,6 +112,10 @@ class LinkJudge:
         self._judged: Floats | None = None
         """Joint positions at which the arm was judged last."""
 
+    def lose_sight(self) -> None:
+        """Judge no way to where the arm is next."""
+        self._judged = None
+
     def due(self, joints_rad: Floats) -> bool:
         """Whether the arm has moved so far since that it is to be judged again."""
         if self._judged is None:

@@ -123,6 +123,13 @@ class Arm:
         """Whether this motion still has hold of the arm."""
         return self._motion is motion
 
+    def jump(self, joints_rad: Six) -> None:
+        """Be somewhere else, at rest: a person has brought the arm there."""
+        self.joints_rad = joints_rad
+        self.flange = self.kinematics.flange(joints_rad)
+        self._pose = self.flange @ self._tcp
+        self.tcp_pose = matrix_pose(self._pose)
+
     def stop_joints(self, deceleration_rad_s2: float) -> None:
         """``stopj``: bring all joints to rest together."""
         self.start(JointBrake(self.velocity_rad_s, deceleration_rad_s2))

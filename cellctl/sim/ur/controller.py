@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 
 from cellctl.errors import UsageError
-from cellctl.sim.plant import Plant
+from cellctl.sim.plant import Floats, Plant
 from cellctl.sim.ur.dashboard import dashboard_server
 from cellctl.sim.ur.lines import LINES, Wires
 from cellctl.sim.ur.options import TOOL_VOLTAGES_V, UrOptions
@@ -187,6 +187,18 @@ class UrController:
     def _change_output(self, line: int, high: bool = False) -> None:
         _check_line(line)
         self.robot.lines.switch(line, high)
+
+    def guide(self, flange: Floats) -> None:
+        """Somebody guides the arm by hand until its flange is there (4x4 in the base frame).
+
+        Raises:
+            UsageError: it is out of reach, or the arm is under way.
+        """
+        arm = self.robot.arm
+        joints = arm.kinematics.joints(flange, arm.joints_rad)
+        if joints is None or arm.moving:
+            raise UsageError("The arm cannot be guided there now.")
+        arm.jump(joints)
 
     def _move_slider(self, fraction: float = 0.02) -> None:
         if not 0.0 <= fraction <= 1.0:

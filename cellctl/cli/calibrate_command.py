@@ -1,0 +1,126 @@
+"""``cellctl calibrate``: measure what the configuration says of a cell, with a person at it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cellctl.assembling.poses import Matrix, inverse, to_matrix
+from cellctl.assembly import Role
+from cellctl.cli.frames_walk import FramesWalk, Touch
+from cellctl.cli.options import ConfigOption, KeyOption, client
+from cellctl.client import CellClient
+from cellctl.config import CellConfig, find_config, load_config
+from cellctl.config.rewriting import NewValues, difference, replace_file, rewritten
+from cellctl.errors import RefusedError, UsageError
+from cellctl.messages import CalibratedCommand
+
+PinOption = Annotated[
+    float,
+    typer.Option(
+        "--pin-m",
+        min=0.0,
+        max=0.5,
+        help="How far the tip that touches is below the TCP; 0: the gripper's own face touches.",
+    ),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    calibrate = typer.Typer(help="Measure what the configuration says of the cell.")
+    app.add_typer(calibrate, name="calibrate")
+
+    @calibrate.command()
+    def frames(config: ConfigOption = None, key: KeyOption = None, pin_m: PinOption = 0.1) -> None:
+        """Measure tool, base, pedestal and feeder by touching known points.
+
+        Guide the arm by hand, on the pendant, or with `cellctl hand jog`; nothing moves by itself.
+        Shows what would change in the configuration, and changes it only after a yes. The file as
+        it was is kept beside it.
+        """
+        _need_terminal("frames")
+        path = find_config(config)
+        settings = load_config(path)
+        with client(config, Role.OPERATOR, key) as cell:
+            measured = FramesWalk(settings, Terminal(settings, cell), pin_m).run()
+            offer(path, measured.values, typer.confirm)
+            note = "frames measured: " + "; ".join(measured.report)
+            cell.request(CalibratedCommand(what="frames", note=note[:1000]))
+
+
+class Terminal:
+    """The ``Guide`` at this terminal.
+
+    Args:
+        config: the cell as it is configured, whose tool the robot's TCP is.
+        cell: tells where the arm is.
+    """
+
+    def __init__(self, config: CellConfig, cell: CellClient) -> None:
+        self._flange_from_tcp = inverse(to_matrix(config.tool.frame))
+        self._cell = cell
+
+    def tell(self, text: str) -> None:
+        typer.echo(text)
+
+    def touched(self, frame: str, touch: Touch) -> Matrix | None:
+        while True:
+            answer = typer.prompt(f"{frame}: touch {touch.what}. There? [y]es, [s]kip")
+            match answer.strip().lower()[:1]:
+                case "s":
+                    return None
+                case "y":
+                    return self.flange()
+
+    def flange(self) -> Matrix:
+        """Where the flange is, 4x4 in the base frame.
+
+        Raises:
+            RefusedError: the robot does not say, or the arm moves.
+        """
+        arm = self._cell.snapshot().arm
+        if not arm.connected or len(arm.tcp_pose) != 6:
+            raise RefusedError("The robot does not say where it is.", "Look at `cellctl status`.")
+        if arm.moving:
+            raise RefusedError("The arm moves.", "Let it come to rest at the point.")
+        x, y, z, rx, ry, rz = arm.tcp_pose
+        return to_matrix((x, y, z, rx, ry, rz)) @ self._flange_from_tcp
+
+
+def offer(path: Path, values: NewValues, agreed: Callable[[str], bool]) -> bool:
+    """Show what changes in a configuration, and change it if somebody agrees.
+
+    Args:
+        path: the file.
+        values: what is to be in it.
+        agreed: asks a question that is answered with yes or no.
+
+    Raises:
+        ConfigError: it cannot be changed so.
+    """
+    old = path.read_text(encoding="utf-8")
+    new, _ = rewritten(old, values, str(path))
+    if new == old:
+        typer.echo("The configuration says so already.")
+        return False
+    typer.echo(difference(old, new, path))
+    if not agreed("Write this?"):
+        typer.echo("Nothing was changed.")
+        return False
+    kept = replace_file(path, old, new, f".before-{datetime.now():%Y%m%d-%H%M%S}")
+    typer.echo(f"Written; the file as it was is {kept}. Restart the daemon to use it.")
+    return True
+
+
+def _need_terminal(what: str) -> None:
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UsageError(
+            f"`cellctl calibrate {what}` asks a person who stands at the cell.",
+            "Run it by hand in a terminal; it cannot be scripted.",
+        )
