@@ -4,6 +4,10 @@ built part by part."""
 from __future__ import annotations
 
 import random
+from functools import cache
+from typing import Any
+
+import pytest
 
 from cellctl.assembly import Cell
 from cellctl.validating.access import Gripper
@@ -42,6 +46,15 @@ def column(height: int) -> Cells:
     return frozenset(Cell(0, 0, z) for z in range(height))
 
 
+def seeds(few: int, many: int) -> list[Any]:
+    """Seeds of a test that is repeated: few each time, the rest among the long proofs."""
+    return [
+        *range(few),
+        *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(few, many)),
+    ]
+
+
+@cache
 def buildable(seed: int, parts: int) -> Cells:
     """A random structure that grew part by part, each state standing."""
     dice = random.Random(seed)  # noqa: S311 - reproducible shapes, not secrets

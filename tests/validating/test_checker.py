@@ -20,7 +20,7 @@ from cellctl.validating.stability import Physics, assess
 from tests.validating.plans import plan_of
 from tests.validating.shapes import CONFIG, cells_of
 from tests.validating.solids import random_solid
-from tests.validating.structures import buildable, shelf
+from tests.validating.structures import buildable, seeds, shelf
 
 BENCH = (
     *(Cell(x, 0, z) for z in range(2) for x in (0, 3)),
@@ -143,7 +143,7 @@ def test_a_larger_margin_is_asked_for_as_configured() -> None:
 
 @pytest.mark.parametrize("contact", ["diamond", "square"])
 @pytest.mark.parametrize("floor", ["grips", "bare"])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(3, 24))
 def test_both_formulations_agree_on_any_state(seed: int, contact: str, floor: str) -> None:
     config = stability(contact=contact, floor=floor)
     cells = random_solid(seed, (5, 4, 4))
@@ -165,7 +165,7 @@ def test_a_block_stands_without_magnets() -> None:
 
 @pytest.mark.parametrize("contact", ["diamond", "square"])
 @pytest.mark.parametrize("floor", ["grips", "bare"])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(2, 20))
 def test_both_formulations_agree_at_every_step(seed: int, contact: str, floor: str) -> None:
     """What is carried over from state to state never passes a state that falls, nor the reverse."""
     config, dice = stability(contact=contact, floor=floor), random.Random(seed)  # noqa: S311
@@ -189,7 +189,7 @@ def test_both_formulations_agree_at_every_step(seed: int, contact: str, floor: s
 
 @pytest.mark.parametrize("contact", ["diamond", "square"])
 @pytest.mark.parametrize("floor", ["grips", "bare"])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(2, 20))
 def test_both_work_out_the_same_loads_as_a_part_comes_off(
     seed: int, contact: str, floor: str
 ) -> None:

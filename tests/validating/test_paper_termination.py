@@ -82,8 +82,8 @@ def prove(count: int, seed: int) -> dict[str, int]:
 
 
 def test_it_ends_on_random_solids_within_its_limits_or_with_a_refusal() -> None:
-    outcomes = prove(1000, SEED)
-    assert min(outcomes.values()) > 50  # each way was really taken
+    outcomes = prove(250, SEED)
+    assert min(outcomes.values()) > 10  # each way was really taken
 
 
 @pytest.mark.soak
@@ -91,3 +91,4 @@ def test_it_ends_on_random_solids_within_its_limits_or_with_a_refusal() -> None:
 def test_it_ends_on_many_more() -> None:
     outcomes = prove(20_000, SEED + 1)
     assert outcomes["planned"] + outcomes["refused"] == 20_000
+    assert min(outcomes.values()) > 1000

@@ -194,6 +194,16 @@ def test_the_budget_is_kept_with_many_small_parts(edges: tuple[int, int, int]) -
     assert time.monotonic() - start_s < 10.0  # 4 s, on a machine with nothing else to do
 
 
+def test_what_could_be_built_as_it_is_is_judged_within_the_budget() -> None:
+    repaired(cells_of(*LETTER_T))  # what is loaded and probed once is
+    legs = [(x, y) for x in (0, 9) for y in (0, 7)]
+    table = cells_of(Box(0, 0, 11, 12, 10, 1), *(Box(x, y, 0, 3, 3, 11) for x, y in legs))
+    start_s = time.monotonic()
+    with pytest.raises(PlanError, match=r"516 parts, .* was not found out in 0\.5 s"):
+        repair_shape(table, PHYSICS, GRIPPER, parts=600, grid=(12, 10, 12), budget_s=0.5)
+    assert time.monotonic() - start_s < 10.0
+
+
 def test_symmetry_is_given_up_for_what_is_clearly_closer() -> None:
     cube = cells_of(Box(0, 0, 0, 2, 2, 2))
     found = repaired(cube, parts=7)

@@ -10,7 +10,7 @@ from functools import partial
 from cellctl.assembly import Cell, Change
 from cellctl.errors import Nearest, PlanError
 from cellctl.validating.access import Gripper
-from cellctl.validating.repairing.collapse import Stands
+from cellctl.validating.repairing.collapse import Collapses, Stands
 from cellctl.validating.repairing.judge import judge, judge_until, longest_row, probed
 from cellctl.validating.repairing.model import SAME
 from cellctl.validating.repairing.reasons import Reason, reasons, times, unstable
@@ -86,7 +86,7 @@ def repair_shape(
     wanted = Wanted(to_corner(cells))
     why = reasons(wanted.cells, wanted.size, parts, grid)
     if not why:
-        verdict = judge(wanted.cells, physics, gripper)
+        verdict = _judged(wanted.cells, physics, gripper, budget_s)
         if isinstance(verdict, Stands):
             return Repaired(wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, None)
         why = (unstable(verdict, physics.least_margin),)
@@ -134,6 +134,28 @@ def repair_shape(
         found.proven,
         baseline_score,
     )
+
+
+def _judged(
+    cells: Cells, physics: Physics, gripper: Gripper, budget_s: float
+) -> Stands | Collapses:
+    """Whether the shape stands as it is; of a large one, as far as the budget goes.
+
+    Raises:
+        PlanError: that could not be found out in time.
+    """
+    until_s = time.monotonic() + budget_s
+    verdict = judge_until(cells, until_s, physics, gripper)
+    if verdict is None and time.monotonic() < until_s:
+        return judge(cells, physics, gripper)
+    if verdict is None:
+        raise PlanError(
+            f"It takes {len(cells)} parts, and whether it stands at every step was not found out "
+            f"in {budget_s:g} s.",
+            "Ask for something smaller, or give more time (planning.budget_s).",
+            rule="stability",
+        )
+    return verdict
 
 
 def _asymmetric(symmetric: float, score: float) -> Change:
