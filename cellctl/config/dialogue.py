@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -27,3 +27,6 @@ class DialogueSection(Section):
     """How long a finished object is left to its owner before the next wish in line begins."""
     copies_limit: Annotated[int, Field(ge=1, le=20)] = 3
     """How many of one thing a visitor gets, one after another."""
+    transcripts: Literal["none", "text"] = "none"
+    """``text`` keeps what is said to the cell and what it answers, in the folder ``transcripts``
+    beside the journal; sound is never kept."""

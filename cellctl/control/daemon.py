@@ -30,6 +30,7 @@ from cellctl.control.devices import Devices
 from cellctl.control.dialogue.board import DialogueBoard
 from cellctl.control.dialogue.conversation import Conversation
 from cellctl.control.dialogue.reading import Phrasebook
+from cellctl.control.dialogue.transcript import Transcript
 from cellctl.control.dialogue.turns import Turns
 from cellctl.control.dismantling import Dismantler
 from cellctl.control.ears import LiveEars
@@ -129,7 +130,18 @@ class Daemon:
             publish=lambda data: self.bus.publish(data, self._state()),
         )
         commands = Commands(self.cell, Books(self.cell))
-        self.conversation = Conversation(self.cell, self.dialogue, commands, self.turns, self.clock)
+        self.conversation = Conversation(
+            self.cell,
+            self.dialogue,
+            commands=commands,
+            turns=self.turns,
+            clock=self.clock,
+            transcript=Transcript(
+                config.dialogue.transcripts,
+                Path(config.journal.path).with_name("transcripts"),
+                self.clock,
+            ),
+        )
         self.recollection = Recollection(self.clock)
         self.desk = RequestDesk(
             self.cell,

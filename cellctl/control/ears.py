@@ -204,7 +204,7 @@ class LiveEars:
                 command = overheard_command(utterance.text) is not None
                 others = of_others(utterance.text, own, command=command)
                 if utterance.text and not others:
-                    log.info("own voice heard", text=utterance.text)
+                    log.info("own voice heard")
                     continue
                 said = utterance.model_copy(update={"text": others})
                 await self._judge(segment, said, take)
@@ -254,7 +254,7 @@ class LiveEars:
 
     async def _do(self, utterance: Utterance, segment: Segment, take: Take) -> None:
         delay_s = round(time.monotonic() - segment.speech_end_s, 3)
-        log.info("heard", text=utterance.text, after=segment.after or "nothing", delay_s=delay_s)
+        log.info("heard", after=segment.after or "nothing", delay_s=delay_s)
         self._voice.hush()
         self._publish(SpeechData(utterance=utterance))
         await take(utterance, Role.VISITOR)

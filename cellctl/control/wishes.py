@@ -110,7 +110,7 @@ class Wishes:
             self._interpreter.interpret, utterance.text, Setting.of(self._config)
         )
         self._show(SpeechData(utterance=utterance, request=request))
-        log.info("understood", intent=request.intent, phrase=request.phrase)
+        log.info("understood", intent=request.intent)
         return request
 
     async def interpret(self, job: Job, post: Post) -> None:

@@ -20,6 +20,7 @@ from cellctl.control.dialogue.explaining import Explainer
 from cellctl.control.dialogue.naming import Naming
 from cellctl.control.dialogue.reading import Phrasebook, Reading
 from cellctl.control.dialogue.table import Act, Input, Place, decide
+from cellctl.control.dialogue.transcript import Transcript
 from cellctl.control.dialogue.turns import Turns
 from cellctl.control.job import Job
 from cellctl.control.states import Event
@@ -82,16 +83,25 @@ class Conversation:
         commands: carries words of command out.
         turns: the wishes that wait.
         clock: cell time.
+        transcript: keeps what is said, where the policy says so.
     """
 
     def __init__(
-        self, cell: Cell, board: DialogueBoard, commands: Commands, turns: Turns, clock: Clock
+        self,
+        cell: Cell,
+        board: DialogueBoard,
+        *,
+        commands: Commands,
+        turns: Turns,
+        clock: Clock,
+        transcript: Transcript,
     ) -> None:
         self._cell = cell
         self._board = board
         self._commands = commands
         self._turns = turns
         self._clock = clock
+        self._transcript = transcript
         self._wording = cell.sentences.wording
         self._naming = Naming(self._wording)
         self.phrasebook = Phrasebook(self._wording)
@@ -148,6 +158,7 @@ class Conversation:
         if reading.said is not Input.SENTENCE:
             self._explainer.understood()
         self._board.heard(utterance.text)
+        self._transcript.keep(role.value, utterance.text)
         return await self._say(Said(Who(role, owner), utterance, reading))
 
     async def press(self, said: Input, role: Role, owner: str = "") -> str:
@@ -223,12 +234,14 @@ class Conversation:
         except CellctlError as error:
             message, hint = map(self._wording.translated, (error.message, error.hint))
             text = f"{message} {hint}".strip()
+            self._transcript.keep("cell", text)
             self._board.say(Line(key="refused", text=text, language=self._wording.language))
             if isinstance(error, RefusedError):
                 raise RefusedError(message, hint) from error
             raise
         if line.text and line.key not in _SHOWN_ONLY:
             self._board.say(line)
+        self._transcript.keep("cell", line.text)
         return line.text
 
     async def _decide(self, said: Said) -> Line:
