@@ -33,6 +33,7 @@ ARGUMENTS = (
     "--no-sandbox",  # tests may run as root
     "--use-angle=swiftshader",  # 3D without a graphics card
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-watchdog",  # which ends a drawing process that waits for a busy computer
     "--disable-background-networking",
     "--disable-component-update",
     "--autoplay-policy=no-user-gesture-required",

@@ -6,6 +6,7 @@ takes its picture.
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -93,9 +94,10 @@ def take_all(there: Visit, folder: Path) -> None:
         album.take(home, "take-home")
     with album.page() as screen:
         screen.phase("ready", "done")
-        there.cell.daemon.process.kill()
+        there.cell.daemon.process.send_signal(signal.SIGSTOP)
         screen.page.wait_for_selector('.page[data-stale="true"]')
         album.take(screen, "stale")
+        there.cell.daemon.process.send_signal(signal.SIGCONT)
 
 
 def _wait_parts(there: Visit, count: int) -> None:

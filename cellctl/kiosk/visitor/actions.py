@@ -76,7 +76,7 @@ class Actions:
     def show(self, now: Telling) -> None:
         """Offer what makes sense now."""
         page = self._page
-        shown(self._whole, page.site.config.kiosk.visitors_may_act and now.phase != "never")
+        shown(self._whole, now.phase != "never")
         stale = page.site.mirror.stale
         for offer, button in self._buttons.items():
             shown(button, offer in now.offers)

@@ -35,7 +35,9 @@ class _Visit:
                 self._changes = Changes(page)
                 self._home = TakeHome(page)
                 self._queue = Queue(page)
-            self._actions = Actions(page)
+            # Not hidden but left out: what is not there cannot be pressed from elsewhere either.
+            may = page.site.config.kiosk.visitors_may_act
+            self._actions = Actions(page) if may else None
         self._panels = (
             *(self._countdown, self._said, self._progress),
             *(self._changes, self._home, self._queue),
@@ -57,7 +59,8 @@ class _Visit:
         for part in self._panels:
             part.show(now)
         self._ears.show(now)
-        self._actions.show(now)
+        if self._actions is not None:
+            self._actions.show(now)
         self._stage.show(now)
 
 

@@ -26,6 +26,10 @@ Phase = Literal[
 is said now is a request; ``done``: an object is finished and stands."""
 
 
+_AT_REST = frozenset({"ready", "done"})
+"""Phases in which the wish before is of no interest any more."""
+
+
 @dataclass(frozen=True)
 class Telling:
     """Everything in words and numbers that the view shows."""
@@ -72,9 +76,9 @@ def telling(snapshot: Snapshot | None) -> Telling:
         question=talk.question,
         deadline=talk.deadline,
         offers=talk.offers,
-        heard=talk.heard if phase not in {"ready"} else "",
-        understood=talk.understood if phase not in {"ready"} else "",
-        changes=job.changes if job is not None and phase in {"asking", "building", "done"} else (),
+        heard=talk.heard if phase not in _AT_REST else "",
+        understood=talk.understood if phase not in _AT_REST else "",
+        changes=job.changes if job is not None and phase in {"asking", "building"} else (),
         title=plan.title if plan is not None else "",
         placed=placed,
         total=job.parts_total if job is not None else 0,
