@@ -32,6 +32,8 @@ SETTING_OUT_S = 0.05
 opens, and its end is seen; measured in the emulated cell at its own speed."""
 
 
+OPEN_TOLD_S = 0.02
+"""Until the gripper's board, which is asked now and then, has told that the latch is open."""
 SEATING_S = 0.04
 """To feel the seat; measured in the emulated cell at its own speed, as is the next."""
 FREEING_S = 0.15
@@ -70,7 +72,9 @@ class RoutePlanner:
         is proven while the part rises."""
         self.gripping_s = self.closing_s + STEADY_S
         """The same of a part that stands: the latch is proven before it is parted from others."""
-        self.opening_s = SETTING_OUT_S + max(lines.release_s, STEADY_S)
+        # Its board tells when the latch is open, which takes it as long as closing.
+        told_s = lines.release_s if lines.port is None else lines.latch_s + OPEN_TOLD_S
+        self.opening_s = SETTING_OUT_S + max(min(lines.release_s, told_s), STEADY_S)
         """The same of a movement with a part to where it is let go."""
         self._depth_m = config.robot.touch_depth_m
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)

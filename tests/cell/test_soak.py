@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 from pathlib import Path
 
 import pytest
 
 from cellctl.assembly import StepKind
+from cellctl.errors import PlanError
 from cellctl.sim.world_values import Imperfections
+from cellctl.validating.plan import plan_cells
 from tests.cell.harness import RunningCell, running_cell
 from tests.cell.test_prompts import spoken
+from tests.validating.solids import random_solid
 
 pytestmark = [pytest.mark.wire, pytest.mark.soak]
 
@@ -33,11 +38,42 @@ def test_the_four_prompts_at_real_speed(
         for prompt in PROMPTS:
             cell.begin_test()
             cell.visitor.hear(*spoken(prompt, tmp_path))
-            assert cell.finish().outcome == "built", prompt
+            job = cell.finish()
+            assert job.outcome == "built", prompt
             cell.assert_as_planned()
             seconds = [part.seconds for part in cell.client.snapshot().parts]
-            print(f"{prompt}: {len(seconds)} parts, {sum(seconds) / len(seconds):.2f} s a part")  # noqa: T201
+            last_s = max(seen.cell_time_s for seen in cell.seen if seen.topic == "part")
+            assert job.end_of_speech_s is not None
+            print(  # noqa: T201
+                f"{prompt}: {len(seconds)} parts, {sum(seconds) / len(seconds):.2f} s a part, "
+                f"{last_s - job.end_of_speech_s:.0f} s from the end of speech to the last part"
+            )
             cell.clear_workspace()
+
+
+@pytest.mark.timeout(3600)
+def test_twenty_random_solids_through_the_whole_cell() -> None:
+    with running_cell(speed=10.0, patience_s=600.0) as cell:
+        built, told_s, took_s = 0, 0.0, 0.0
+        for seed in itertools.count():
+            if built == 20:
+                break
+            cells = random_solid(seed)
+            try:
+                plan_cells(cells, cell.config)
+            except PlanError:
+                continue
+            cell.begin_test()
+            rows = json.dumps({"cells": sorted(cells), "pitch_m": cell.config.voxel.pitch_m})
+            cell.client.build("solid.json", rows.encode())
+            assert cell.finish().outcome == "built", seed
+            cell.assert_as_planned()
+            parts = cell.client.snapshot().parts
+            told_s += sum(part.predicted_s or 0.0 for part in parts)
+            took_s += sum(part.seconds - part.waited_s for part in parts)
+            built += 1
+            cell.clear_workspace()
+    print(f"20 solids: told {told_s:.0f} s, took {took_s:.0f} s")  # noqa: T201
 
 
 @pytest.mark.parametrize("seed", range(8))
