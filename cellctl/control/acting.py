@@ -250,6 +250,12 @@ class Acting:
         if act_id is not None:
             self._journal.settle(act_id, outcome, detail)
 
+    def _never_closed(self) -> None:
+        """The act in which the latch may have been told to close: it was not, as its line tells."""
+        assert self._open_act is not None, "such an act keeps its intent"
+        (act_id, _), self._open_act = self._open_act, None
+        self._journal.settle(act_id, "interrupted", "cut off before the latch was told to close")
+
     def _latch_moves(self, kind: ActKind) -> None:
         """From here on only the devices, or a person, can say what became of the act."""
         assert self._act_id is not None, "the latch moves in an act"

@@ -111,6 +111,8 @@ class Builder(Acting):
         if self._part_began_s is None:
             self._part_began_s = self._clock.now_s()
         hands = self._hands
+        if self.grip is Grip.LATCHING and hands.is_told_open():
+            self._never_closed()
         async with self._act(ActKind.PICK, job) as act:
             belt = await (self._reach(job) if self.grip is Grip.NOTHING else self._belt.state())
             if self.grip is Grip.NOTHING and not belt.part_present:
@@ -157,15 +159,17 @@ class Builder(Acting):
         move = asyncio.create_task(
             self._travel(hands.routes.to_pick, job, key=_STATION, closing=not self.ledger.missed)
         )
+        near = False
         try:
             await hands.wait_nearly_at_station(move)
+            near = True
             belt = await self._belt.state()
             if belt.part_present:
                 await move
         finally:
             move.cancel()
             await asyncio.gather(move, return_exceptions=True)
-            if not self.ledger.missed and hands.may_be_closing():
+            if near and not self.ledger.missed and hands.may_be_closing():
                 self._latch_moves(ActKind.PICK)
         if belt.part_present and self.grip is Grip.NOTHING and not hands.is_open():
             await hands.open()
