@@ -162,8 +162,10 @@ def parts_of(client: CellClient) -> list[PartOutcome]:
             data = message.payload()
             if isinstance(data, PartData):
                 outcomes.append(data.outcome)
-        job = client.snapshot().job
-        if job is not None and job.outcome:
+        now = client.snapshot()
+        if now.fault.entry is not None:
+            raise SystemExit(f"Not built: {now.fault.entry.code}: {now.fault.detail}")
+        if now.job is not None and now.job.outcome:
             return outcomes
     raise TimeoutError("the object was not finished in time")
 
