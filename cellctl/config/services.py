@@ -140,6 +140,9 @@ class EmulationSection(Section):
     """Where faults are injected and the world's truth is read."""
     seed: int = 1
     """Of everything that is random in it."""
+    jolt_limit_m2_s3: Positive = 2.6
+    """A part that is set down harder falls: commanded speed times acceleration of the movement that
+    brings it to its seat. 2.25 to 3.125 give the paper's table."""
     shifted_tool: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """The emulated tool is moved by this, in its own frame, against what ``tool.frame`` says."""
     shifted_base: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

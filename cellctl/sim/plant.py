@@ -22,6 +22,11 @@ class Plant(Protocol):
         """
         ...
 
+    def commanded(self, speed_m_s: float, acceleration_m_s2: float) -> None:
+        """What the robot's program asks of the movement that is under way, whether it gets as fast
+        or not; a movement of the joints counts as if the arm were 1 m long."""
+        ...
+
     def tcp_force_n(self) -> Floats:
         """What acts on the tool from outside, (3,) in the base frame, in N."""
         ...

@@ -59,6 +59,9 @@ class CellPlant:
     def robot_moved(self, flange: Floats, joints_rad: Floats, dt_s: float) -> None:
         self._world.robot_moved(flange, joints_rad, dt_s)
 
+    def commanded(self, speed_m_s: float, acceleration_m_s2: float) -> None:
+        self._world.commanded(speed_m_s, acceleration_m_s2)
+
     def tcp_force_n(self) -> Floats:
         return self._world.tcp_force_n()
 

@@ -29,6 +29,7 @@ from cellctl.sim.world_geometry import (
     rotation_vector,
 )
 from cellctl.sim.world_grip import fits, judge_release
+from cellctl.sim.world_impact import Impact
 from cellctl.sim.world_links import LinkJudge
 from cellctl.sim.world_parts import Parts
 from cellctl.sim.world_support import adrift
@@ -81,6 +82,9 @@ class World(Parts):
         self._ongoing: set[Contact] = set()
         self._links = LinkJudge(config.robot.model, self._from_base)
         self._links_in: set[Contact] = set()
+        self._impact = Impact()
+        emulation = config.emulation
+        self._jolt_limit_m2_s3 = emulation.jolt_limit_m2_s3 if emulation is not None else math.inf
         self._heading = np.zeros(3)
         """Which way the tool moved last, in the workspace frame, of length 1."""
         self._span: Span | None = None
@@ -123,6 +127,7 @@ class World(Parts):
             return
         if self._tcp is not None and (way := tcp[:3, 3] - self._tcp[:3, 3]).any():
             self._heading = way / np.linalg.norm(way)
+            self._impact.move(float(way[2]))
         self._judge_links(joints_rad)
         self._tcp = tcp
         self._strain_grip(tcp)
@@ -163,6 +168,10 @@ class World(Parts):
         seated = self._tcp.copy()
         seated[2, 3] = (cell.z + 1) * self._pitch_m
         self._gripped = (cell, seated)
+
+    def commanded(self, speed_m_s: float, acceleration_m_s2: float) -> None:
+        """What is asked of the movement under way; see ``Plant.commanded``."""
+        self._impact.command(speed_m_s, acceleration_m_s2)
 
     def lose_sight(self) -> None:
         """The arm is somewhere else at once: a person guided it there, and looked out."""
@@ -243,6 +252,13 @@ class World(Parts):
             cell, wrong, message = judge_release(
                 self._tcp, self._placed.keys(), self.config.grid, self._pitch_m
             )
+            jolt_m2_s3 = self._impact.jolt_m2_s3
+            if wrong is None and jolt_m2_s3 > self._jolt_limit_m2_s3:
+                wrong = ViolationKind.JOLTED
+                message = (
+                    f"The part at cell {tuple(cell)} fell: it was set down with a commanded speed "
+                    f"times acceleration of {jolt_m2_s3:.2f} m2/s3."
+                )
             if wrong is None:
                 self._placed[cell] = part
                 if self.parts_stick:

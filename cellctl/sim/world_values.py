@@ -50,6 +50,8 @@ class ViolationKind(StrEnum):
     """Let go at a cell where it neither stands on the floor nor touches a placed part; falls."""
     RELEASED_INTO_PART = "released_into_part"
     """Let go at a cell that another part fills; the part falls."""
+    JOLTED = "jolted"
+    """Set down too hard: the part does not stay, and falls."""
     COLLAPSED = "collapsed"
     """Joints do not bear the weight on them or the push of a placement; what they held falls."""
     LOST_SUPPORT = "lost_support"

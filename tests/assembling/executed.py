@@ -87,6 +87,8 @@ class Bench:
         self.arm.start(motion)
         joints, took_s = [self.arm.joints_rad], 0.0
         while self.arm.busy:
+            if (commanded := self.arm.commanded) is not None:
+                self.world.commanded(*commanded)
             self.arm.advance(STEP_S)
             self._show(STEP_S)
             self.seen.tcp_m_s = max(self.seen.tcp_m_s, self.arm.tcp_speed_m_s)

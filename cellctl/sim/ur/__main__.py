@@ -45,6 +45,9 @@ class EmptyPlant:
     def robot_moved(self, flange: Floats, joints_rad: Floats, dt_s: float) -> None:  # noqa: ARG002
         self.moved_s += dt_s
 
+    def commanded(self, speed_m_s: float, acceleration_m_s2: float) -> None:
+        pass  # nothing is placed here
+
     def tcp_force_n(self) -> Floats:
         return np.zeros(3)
 

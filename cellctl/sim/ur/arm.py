@@ -104,6 +104,15 @@ class Arm:
         """Speed of the TCP."""
         return math.hypot(*self.tcp_twist[:3])
 
+    @property
+    def commanded(self) -> tuple[float, float] | None:
+        """Speed and acceleration that the movement under way was given; None where there is none,
+        or it is a stop. SI units of a line (m) or of joints (rad)."""
+        if not isinstance(self._motion, Trajectory):
+            return None
+        waypoint = self._motion.waypoint
+        return waypoint.speed, waypoint.acceleration
+
     def target_pose(self) -> Six:
         """Pose of the waypoint that is approached, or where the TCP is when there is none."""
         if not isinstance(self._motion, Trajectory):

@@ -104,6 +104,8 @@ class Robot:
             self.arm.abandon("protective stop", self.options.protective_stop_rad_s2)
             self.trip_protective(str(error))
         self.joint_history.append(self.arm.joints_rad)
+        if (commanded := self.arm.commanded) is not None:
+            self._plant.commanded(*commanded)
         self._plant.robot_moved(self.arm.flange, self.arm.joints_array, duration_s)
         if self.arm.moving:
             self._feel()
