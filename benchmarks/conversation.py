@@ -9,7 +9,7 @@ each wish, from the last sound of the person's voice (wall time):
 - *asks*: the question with parts and minutes is on the screen, and the cell begins to say it.
 
 Prints the median and the worst, and where the time goes. Nothing is built: each question is
-answered with a no.
+answered with a no; what was misheard is told, and not counted.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from cellctl.config import CellConfig, load_config
 from cellctl.listening.wav import read_wav
 from cellctl.messages import (
     ConfirmCommand,
+    JobData,
     ListenCommand,
     SpeechData,
     StateData,
@@ -100,7 +101,8 @@ class Watch:
 
 
 def measure(cell: CellClient, microphone: VirtualMicrophone, wav: Path) -> dict[str, float]:
-    """Say one wish, and no to the question; seconds from its last sound, by stage."""
+    """Say one wish, and no to the question; seconds from its last sound, by stage. Empty when it
+    was misheard."""
     watch = Watch(cell)
     samples = np.abs(read_wav(wav, 30.0).astype(np.int32))
     last_s = float(np.flatnonzero(samples > 300)[-1]) / 16_000
@@ -112,13 +114,16 @@ def measure(cell: CellClient, microphone: VirtualMicrophone, wav: Path) -> dict[
 
     def follow(data: StatusData) -> bool:
         if isinstance(data, VoiceData) and data.saying:
-            key = "asks" if "?" in data.saying else "understood"
+            key = "asks" if "Shall I build it?" in data.saying else "understood"
             spoken.setdefault(key, time.monotonic() - ended_s)
         if isinstance(data, StateData) and data.state == "validating_confirming":
             spoken.setdefault("shown", time.monotonic() - ended_s)
-        return "asks" in spoken and "shown" in spoken
+        misheard = isinstance(data, JobData) and data.outcome == "no_object"
+        return misheard or ("asks" in spoken and "shown" in spoken)
 
     watch.until(follow)
+    if "shown" not in spoken:
+        return {}
     cell.request(ConfirmCommand(answer=False))
     watch.until(lambda data: isinstance(data, StateData) and data.state == "idle")
     watch.until(lambda data: isinstance(data, VoiceData) and not data.saying)
@@ -154,8 +159,12 @@ def main() -> int:
                 measure(cell, microphone, wavs[0])  # loads what is loaded late
                 taken = []
                 for wish, wav in zip(wishes, wavs, strict=True):
-                    taken.append(measure(cell, microphone, wav))
-                    row = "".join(f"{taken[-1].get(stage, 0.0):>12.2f}" for stage in STAGES)
+                    found = measure(cell, microphone, wav)
+                    if not found:
+                        sys.stdout.write(f"{wish:<28}misheard\n")
+                        continue
+                    taken.append(found)
+                    row = "".join(f"{found.get(stage, 0.0):>12.2f}" for stage in STAGES)
                     sys.stdout.write(f"{wish:<28}{row}\n")
                     sys.stdout.flush()
         shutil.rmtree(folder / "server")
