@@ -325,6 +325,15 @@ def _make_folders(folder: Path) -> None:
         raise UsageError(f"{folder}: cannot be made: {error.strerror}.") from error
 
 
+def write_secret(file: Path, text: str) -> None:
+    """Write a secret of one's own into a new file that nobody else may read.
+
+    Raises:
+        UsageError: it exists, or cannot be written.
+    """
+    _write_new(file, text, 0o600)
+
+
 def _write_new(file: Path, text: str, mode: int) -> None:
     """Write a file that did not exist; nobody ever sees half of it, or sees it with another mode.
 

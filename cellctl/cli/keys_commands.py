@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,7 @@ from cellctl import keys
 from cellctl.assembly import Role
 from cellctl.cli.options import ConfigOption, configuration
 from cellctl.errors import UsageError
+from cellctl.passphrase import OPERATOR_CREDENTIAL, PassphraseHash
 
 
 def register(app: typer.Typer) -> None:
@@ -63,3 +65,19 @@ def register(app: typer.Typer) -> None:
         """Take a client's access away, at once and without a restart."""
         keys.revoke(Path(configuration(config).bus.keys), name)
         typer.echo(f"{name} has no access any more.")
+
+    @group.command()
+    def passphrase(
+        file: Annotated[Path, typer.Argument(help="Where its hash is written; must not exist.")],
+    ) -> None:
+        """Set the passphrase for the operator's view of the page; only a hash of it is kept."""
+        if sys.stdin.isatty():
+            said = typer.prompt("Passphrase", hide_input=True, confirmation_prompt=True)
+        else:
+            said = sys.stdin.readline().rstrip("\n")
+        line = PassphraseHash.of(said).line
+        keys.write_secret(file, f"{line}\n")
+        typer.echo(
+            f"Written to {file}. Give it to the page as the credential {OPERATOR_CREDENTIAL}: "
+            f"LoadCredential={OPERATOR_CREDENTIAL}:{file.absolute()}"
+        )

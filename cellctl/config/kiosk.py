@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ipaddress
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from cellctl.config.section import Port, Section
 
@@ -25,6 +25,13 @@ class KioskSection(Section):
     """``auto`` follows what the browser's system prefers; every visitor can choose."""
     visitors_may_act: bool = True
     """``false`` shows only: no buttons, no typed words."""
+
+    operator_from: Literal["here", "network"] = "here"
+    """Who may log in to the operator's view: ``here``, browsers on this computer (or behind a proxy
+    on it); ``network``, whoever the page is served to. The passphrase is as safe on its way as the
+    connection: let a proxy with TLS serve it to a network that others use, too."""
+    operator_idle_s: Annotated[float, Field(ge=60.0, le=86_400.0)] = 900.0
+    """An operator who does nothing for so long is logged out (wall time)."""
 
     @model_validator(mode="after")
     def _reachable(self) -> Self:

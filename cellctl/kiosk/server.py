@@ -14,6 +14,7 @@ from nicegui import app, ui
 
 from cellctl.config import CellConfig
 from cellctl.kiosk.bus_link import BusLink
+from cellctl.kiosk.operator.login import FrontDoor
 from cellctl.kiosk.operator.page import operator_page
 from cellctl.kiosk.shell import LOOK, Site, shell
 from cellctl.kiosk.take_home import JobFiles
@@ -43,6 +44,8 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     """
     site = Site(config, BusLink(config, key))
     files = JobFiles(site.link)
+    door = FrontDoor.of(config)
+    door.add_routes()
     stack = AsyncExitStack()
     site.mirror.watch(files.built)
 
@@ -54,7 +57,7 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     app.on_shutdown(stack.aclose)
     app.middleware("http")(_guarded)
     app.add_static_files("/look", LOOK)
-    _add_pages(site, files)
+    _add_pages(site, files, door)
     add_files(files, config)
     ui.run(
         host=config.kiosk.address,
@@ -73,7 +76,7 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
     )
 
 
-def _add_pages(site: Site, files: JobFiles) -> None:
+def _add_pages(site: Site, files: JobFiles, door: FrontDoor) -> None:
     @ui.page("/")
     def visitor(lang: str = "") -> None:
         with shell(site, lang, "page.title", role="visitor") as page:
@@ -85,9 +88,13 @@ def _add_pages(site: Site, files: JobFiles) -> None:
             await take_page(page, files, job_id)
 
     @ui.page("/operator")
-    def operator(lang: str = "") -> None:
+    def operator(request: Request, lang: str = "", refused: str = "") -> None:
+        session = door.session(request)
         with shell(site, lang, "operator.title", role="operator") as page:
-            operator_page(page)
+            if session is None:
+                door.form(page, request, refused)
+            else:
+                operator_page(page, session)
 
 
 async def _guarded(request: Request, go_on: Callable[[Request], Awaitable[Response]]) -> Response:
@@ -95,5 +102,6 @@ async def _guarded(request: Request, go_on: Callable[[Request], Awaitable[Respon
     response = await go_on(request)
     response.headers["Content-Security-Policy"] = _POLICY
     response.headers["X-Content-Type-Options"] = "nosniff"
-    response.headers["Referrer-Policy"] = "no-referrer"
+    # Browsers say by it where a form came from; other sites are told nothing.
+    response.headers["Referrer-Policy"] = "same-origin"
     return response

@@ -19,7 +19,7 @@ from cellctl.kiosk.mirror import Mirror
 from cellctl.kiosk.words import Words, languages
 
 LOOK: Final = Path(__file__).parent / "look"
-SHEETS: Final = ("kiosk", "visitor", "operator")
+SHEETS: Final = ("kiosk", "visitor", "operator", "operator_panels")
 
 
 @dataclass(frozen=True)

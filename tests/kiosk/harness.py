@@ -24,10 +24,14 @@ from playwright.sync_api import (
 from cellctl.cli.daemon_process import wait_idle
 from cellctl.cli.kiosk_process import KioskProcess, running_kiosk, with_own_page
 from cellctl.config import CellConfig
+from cellctl.credentials import variable_of
+from cellctl.passphrase import OPERATOR_CREDENTIAL, PassphraseHash
 from cellctl.sim.isolation import isolated
 from cellctl.sim.spawn import emulated_cell
 from tests.cell.harness import PATIENCE_S, RunningCell, cell_config, watched_daemon
 
+PASSPHRASE = "a few words in a row"  # noqa: S105 - of cells that live for one test
+"""Of the operators of every cell here."""
 CHROMIUM = Path("/usr/bin/chromium")
 ARGUMENTS = (
     "--no-sandbox",  # tests may run as root
@@ -156,11 +160,14 @@ def chromium(*arguments: str) -> Iterator[Browser]:
 
 
 @contextmanager
-def visit(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[Visit]:
+def visit(
+    speed: float = 10.0, *, graphics: bool = True, **sections: dict[str, Any]
+) -> Iterator[Visit]:
     """A cell that asks before it builds, with its page and a browser.
 
     Args:
         speed: cell seconds per wall second.
+        graphics: whether the browser draws in three dimensions, which costs most of its time.
         sections: settings to change, by section.
     """
     config = cell_config(**{"policy": {"confirmation": "ask"}, **sections})
@@ -171,7 +178,7 @@ def visit(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[Visit]:
             emulated_cell(own, speed) as world,
             watched_daemon(own, folder, world) as cell,
             kiosk_of(own, folder) as kiosk,
-            chromium() as browser,
+            chromium(*(() if graphics else ("--disable-3d-apis",))) as browser,
         ):
             wait_idle(cell.client, cell.daemon)
             yield Visit(cell, kiosk, browser, folder)
@@ -182,6 +189,7 @@ def kiosk_of(config: CellConfig, folder: Path) -> Iterator[KioskProcess]:
     """The page of that cell, as anybody would start it; its log is shown when a test fails."""
     # The page library behaves otherwise in a process that has this variable of pytest's.
     environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
+    environment[variable_of(OPERATOR_CREDENTIAL)] = PassphraseHash.of(PASSPHRASE).line
     with running_kiosk(config, folder, environment) as kiosk:
         try:
             yield kiosk

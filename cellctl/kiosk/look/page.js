@@ -70,5 +70,24 @@ window.cellctl = (() => {
     }, "image/png");
   };
 
-  return { save, theme, notice, light };
+  // The arrow keys go from tab to tab of the operator's view.
+  const tabKeys = (event) => {
+    const tabs = [...event.currentTarget.querySelectorAll("[role=tab]")];
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    const now = tabs.indexOf(document.activeElement);
+    if (!step || now < 0) return;
+    event.preventDefault();
+    const next = tabs[(now + step + tabs.length) % tabs.length];
+    next.focus();
+    next.click();
+  };
+
+  const leadTo = (id) => {
+    const target = document.getElementById(id);
+    if (!target) return;
+    target.scrollIntoView({ block: "start" });
+    target.querySelector("input:not([disabled]), button:not([disabled])")?.focus();
+  };
+
+  return { save, theme, notice, light, tabKeys, leadTo };
 })();

@@ -1,4 +1,4 @@
-"""The page's own labels: a file for each language."""
+"""The page's own labels: for each language a file, and one for the operator's view."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ FALLBACK: Final = "en"
 
 @cache
 def _labels(language: str) -> dict[str, str]:
-    text = files(__name__).joinpath(f"{language}.toml").read_text(encoding="utf-8")
-    return {
-        f"{table}.{name}": line
-        for table, lines in tomllib.loads(text).items()
-        for name, line in lines.items()
-    }
+    folder = files(__name__)
+    found: dict[str, str] = {}
+    for file in (folder / f"{language}.toml", folder / "operator" / f"{language}.toml"):
+        if not file.is_file():
+            continue  # a language may lack the operator's view, which is in English then
+        for table, lines in tomllib.loads(file.read_text(encoding="utf-8")).items():
+            found |= {f"{table}.{name}": line for name, line in lines.items()}
+    return found
 
 
 @cache
