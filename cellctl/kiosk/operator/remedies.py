@@ -16,6 +16,7 @@ _TABLE: Final = """
 belt_empty        refill reset resume
 belt_jam          reset refill count resume
 gripper_reset     reset recover resume
+contact_early     reset rise missing count resume cancel
 not_seated        reset missing resume
 part_stuck        reset resume
 gripper_holds     reset open_held resume
