@@ -15,6 +15,9 @@ from difflib import SequenceMatcher
 ECHO_SHARE = 0.6
 """Share of the words heard that must be the cell's own for all of them to be an echo, which is
 never recognised without a slip."""
+_FEW = 3
+"""So few words are an echo only if all are the cell's own: "the letter L" answers "the letter T".
+So many in a row are left out of a longer sentence."""
 _TAIL_S = 0.6
 """An echo may come so much later."""
 _REMEMBERED = 8
@@ -70,14 +73,13 @@ def of_others(heard: str, own: str, *, command: bool = False) -> str:
     mine, words = _words(own), _words(heard)
     if any(mine[start : start + len(words)] == words for start in range(len(mine))):
         return ""
-    if command:
+    if command or len(words) <= _FEW:
         return heard
     matcher = SequenceMatcher(None, mine, words, autojunk=False)
     blocks = [block for block in matcher.get_matching_blocks() if block.size]
     if sum(block.size for block in blocks) >= ECHO_SHARE * len(words):
         return ""
-    # One word alone may be anybody's.
-    echoed = {b.b + offset for b in blocks if b.size > 1 for offset in range(b.size)}
+    echoed = {b.b + offset for b in blocks if b.size >= _FEW for offset in range(b.size)}
     if not echoed:
         return heard
     return " ".join(word for index, word in enumerate(words) if index not in echoed)

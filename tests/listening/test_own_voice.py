@@ -156,7 +156,7 @@ def test_what_the_cell_says_itself_is_left_out(heard: str, others: str) -> None:
 
 def test_a_command_is_anybodys_but_in_the_cells_very_words() -> None:
     own = "7 parts stand here. Take the object along, or have it taken apart."
-    assert of_others("Take it apart.", own) == ""
+    assert of_others("The letter L.", "The letter T. Letter T, 7 parts.") == "The letter L."
     assert of_others("Take it apart.", own, command=True) == "Take it apart."
     assert of_others("Take it apart.", "Shall I take it apart?", command=True) == ""
 
