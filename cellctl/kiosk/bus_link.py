@@ -59,14 +59,22 @@ class BusLink:
         attachment: bytes | None = None,
         *,
         role: Role = Role.VISITOR,
+        visitor: str = "",
         timeout_s: float = _REQUEST_S,
     ) -> ControlReply:
         """Send one request by that role's door and wait for the reply.
 
+        Args:
+            body: what is asked.
+            attachment: the request's second frame.
+            role: whose door it goes to.
+            visitor: the secret of the browser that asks; empty for whoever stands before the cell.
+            timeout_s: longest wait (wall time).
+
         Raises:
             CellctlError: what the cell, or the way to it, says against it.
         """
-        return await asyncio.to_thread(self._ask, body, attachment, role, timeout_s)
+        return await asyncio.to_thread(self._ask, body, attachment, role, visitor, timeout_s)
 
     async def file(
         self, kind: FileKind, job_id: str, *, role: Role = Role.VISITOR
@@ -84,9 +92,15 @@ class BusLink:
         return await asyncio.to_thread(ask)
 
     def _ask(
-        self, body: Command, attachment: bytes | None, role: Role, timeout_s: float
+        self,
+        body: Command,
+        attachment: bytes | None,
+        role: Role,
+        visitor: str,
+        timeout_s: float,
     ) -> ControlReply:
         with CellClient.for_role(self._config, role, timeout_s, self._key) as cell:
+            cell.visitor = visitor
             return cell.request(body, attachment)
 
     @contextlib.asynccontextmanager

@@ -16,6 +16,7 @@ from cellctl.config import CellConfig
 from cellctl.kiosk.bus_link import BusLink
 from cellctl.kiosk.operator.login import FrontDoor
 from cellctl.kiosk.operator.page import operator_page
+from cellctl.kiosk.origin import is_here
 from cellctl.kiosk.shell import LOOK, Site, shell
 from cellctl.kiosk.take_home import JobFiles
 from cellctl.kiosk.take_page import add_files, take_page
@@ -78,8 +79,9 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
 
 def _add_pages(site: Site, files: JobFiles, door: FrontDoor) -> None:
     @ui.page("/")
-    def visitor(lang: str = "") -> None:
-        with shell(site, lang, "page.title", role="visitor") as page:
+    def visitor(request: Request, lang: str = "") -> None:
+        who = _secret(request)
+        with shell(site, lang, "page.title", role="visitor", visitor=who) as page:
             visitor_page(page)
 
     @ui.page("/take/{job_id}")
@@ -95,6 +97,14 @@ def _add_pages(site: Site, files: JobFiles, door: FrontDoor) -> None:
                 door.form(page, request, refused)
             else:
                 operator_page(page, session)
+
+
+def _secret(request: Request) -> str:
+    """By what the cell knows a visitor's own device again; empty for a screen of the cell's own.
+
+    The page library keeps a random id in a signed cookie that scripts cannot read.
+    """
+    return "" if is_here(request) else str(app.storage.browser["id"])
 
 
 async def _guarded(request: Request, go_on: Callable[[Request], Awaitable[Response]]) -> Response:

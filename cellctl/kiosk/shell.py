@@ -42,11 +42,14 @@ class Page:
     Attributes:
         site: what it shares with the others.
         words: the labels in its language.
+        visitor: the secret by which the cell knows this browser again; empty on a screen of the
+            cell's own, where whoever stands before it is the visitor.
         views: what is called after every change.
     """
 
     site: Site
     words: Words
+    visitor: str = ""
     views: list[Callable[[], None]] = field(default_factory=list)
 
     def follow(self, view: Callable[[], None]) -> None:
@@ -56,7 +59,7 @@ class Page:
 
 
 @contextmanager
-def shell(site: Site, language: str, title: str, *, role: str) -> Iterator[Page]:
+def shell(site: Site, language: str, title: str, *, role: str, visitor: str = "") -> Iterator[Page]:
     """A page's frame; the block builds the view inside its main part.
 
     Args:
@@ -64,9 +67,10 @@ def shell(site: Site, language: str, title: str, *, role: str) -> Iterator[Page]
         language: the one who looks wants; empty for the cell's.
         title: key of the view's name.
         role: ``visitor`` or ``operator``; the style sheet's class of the page.
+        visitor: the browser's secret, for a page on which a visitor may act.
     """
     words = Words(language or site.config.dialogue.language)
-    page = Page(site, words)
+    page = Page(site, words, visitor)
     ui.page_title(f"{words.say(title)} · {site.config.cell.name}")
     _head(words.language, site.config.kiosk.theme)
     with box("div", f"page page--{role}") as whole:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 from typing import Annotated, Final, Self
 from urllib.parse import urlencode, urlsplit
 
@@ -15,6 +14,7 @@ from cellctl.credentials import find_credential
 from cellctl.errors import RefusedError
 from cellctl.kiosk.components import Text, box, icon
 from cellctl.kiosk.operator.access import COOKIE, Access, Session, TooSoonError
+from cellctl.kiosk.origin import address_of, is_here
 from cellctl.kiosk.shell import Page
 from cellctl.passphrase import OPERATOR_CREDENTIAL, PassphraseHash
 
@@ -56,7 +56,7 @@ class FrontDoor:
         """Key of the reason why nobody can log in from there; empty when they can."""
         if not self.access.is_open:
             return "login.no_passphrase"
-        if not self._from_network and not _is_here(_address(request)):
+        if not self._from_network and not is_here(request):
             return "login.not_from_here"
         return ""
 
@@ -71,7 +71,7 @@ class FrontDoor:
             if _is_foreign(request) or self.closed_to(request):
                 return back
             try:
-                token = await self.access.log_in(passphrase, _address(request))
+                token = await self.access.log_in(passphrase, address_of(request))
             except TooSoonError:
                 return _back(request, refused="wait")
             except RefusedError:
@@ -130,17 +130,6 @@ def _back(request: Request, refused: str = "") -> RedirectResponse:
     query = {"lang": language if language.isalpha() else "", "refused": refused}
     wanted = urlencode({name: value for name, value in query.items() if value})
     return RedirectResponse(f"/operator?{wanted}", status_code=_SEE_OTHER)
-
-
-def _address(request: Request) -> str:
-    return request.client.host if request.client is not None else ""
-
-
-def _is_here(address: str) -> bool:
-    try:
-        return ipaddress.ip_address(address).is_loopback
-    except ValueError:
-        return False
 
 
 def _is_foreign(request: Request) -> bool:

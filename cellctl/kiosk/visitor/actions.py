@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from cellctl.assembly import Role
 from cellctl.kiosk.components import Action, Button, Entry, Kind, box, shown
 from cellctl.kiosk.shell import Page
 from cellctl.kiosk.visitor.telling import Telling
@@ -66,12 +65,12 @@ class Actions:
 
     def _doing(self, body: Command) -> Action:
         async def act() -> None:
-            await self._page.site.link.ask(body, role=Role.VISITOR)
+            await self._page.site.link.ask(body, visitor=self._page.visitor)
 
         return act
 
     async def _typed(self, text: str) -> None:
-        await self._page.site.link.ask(SayCommand(text=text), role=Role.VISITOR)
+        await self._page.site.link.ask(SayCommand(text=text), visitor=self._page.visitor)
 
     def show(self, now: Telling) -> None:
         """Offer what makes sense now."""
