@@ -63,7 +63,9 @@ class Visitor:
         self._wakes = wakes
 
     def ask(self, sentence: str) -> None:
-        """Say a wish or a change, after the wake word where it needs one."""
+        """Say a wish or a change, after the wake word where it needs one, as politely as most
+        people do: once the cell has finished speaking."""
+        self.cell.wait("silence", lambda now: not now.dialogue.speaking and not now.voice.saying)
         if self._wakes:
             self.people.say("hey mycroft")
             self.cell.wait("the wake word", lambda now: now.ears.state == "recording")
@@ -137,6 +139,7 @@ def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
             assert page.elsewhere == []
 
 
+@pytest.mark.timeout(240)
 def test_a_visit_by_voice_alone() -> None:
     with spoken_visit("open") as visitor:
         visitor.builds(SHORT)

@@ -121,8 +121,9 @@ def machine(installed: Path, services_log: str) -> Iterator[Machine]:
     try:
         yield _ready(process, log, services_log)
     finally:
-        for child in psutil.Process(process.pid).children():
-            child.kill()  # the first process takes all others of its machine along
+        with suppress(psutil.NoSuchProcess):  # it may have ended by itself
+            for child in psutil.Process(process.pid).children():
+                child.kill()  # the first process takes all others of its machine along
         process.kill()
         process.wait()
         _remove(cgroup)

@@ -2,6 +2,7 @@
 # this system. Nothing that happens in it reaches this one. Needs root. Arguments: the folder with
 # what `make install` laid out, this repository, the folder of site-packages, a Python.
 set -euo pipefail
+PATH=$PATH:/usr/sbin:/sbin # pivot_root lives there
 installed=$1 repository=$2 packages=$3 python=$4
 
 mount --make-rprivate /
