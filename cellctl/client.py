@@ -266,7 +266,10 @@ class CellClient:
             RefusedError: that job's files need the operator.
             CellctlError: the file is damaged.
         """
-        command = FileCommand(kind=kind, job_id=job_id)
+        try:
+            command = FileCommand(kind=kind, job_id=job_id)
+        except ValidationError as error:
+            raise UsageError(f"{job_id[:16]}... is no job.") from error
         reply, content = self._exchange(command, timeout_s=timeout_s)
         if not isinstance(reply.data, FileData) or content is None:
             raise CellctlError(f"{self._door} sent no file.")
@@ -309,12 +312,20 @@ class CellClient:
             self._subscription = self._connected(zmq.SUB, self._status)
 
     def messages(self, timeout_s: float) -> Iterator[StatusMessage]:
-        """Status messages as they come, until none came for ``timeout_s`` (wall time)."""
+        """Status messages as they come, until none came for ``timeout_s`` (wall time).
+
+        Raises:
+            CellctlError: one cannot be read: the daemon is of another version.
+        """
         self.subscribe()
         socket = self._subscription
         assert socket is not None
         while socket.poll(int(timeout_s * 1000)):
-            yield StatusMessage.model_validate_json(socket.recv_multipart()[1])
+            try:
+                message = StatusMessage.model_validate_json(socket.recv_multipart()[1])
+            except ValidationError as error:
+                raise CellctlError(f"{self._status} sent an unreadable message.") from error
+            yield message
 
     def wait_ready(self, timeout_s: float) -> Snapshot:
         """Wait until a daemon answers.

@@ -11,9 +11,10 @@ import asyncio
 import contextlib
 import threading
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import structlog
 
@@ -37,6 +38,11 @@ _REFRESH_S: Final = 0.25
 _TELLS_LESS: Final = frozenset({"state", "part", "job"})
 """Topics after which something has changed that no message tells: plan, inventory, doubt."""
 _END_PATIENCE_S: Final = 5.0
+_AT_ONCE: Final = 24
+"""Requests that wait for the cell at the same time; more wait for these."""
+_STOPS_AT_ONCE: Final = 4
+
+T = TypeVar("T")
 
 
 class BusLink:
@@ -51,6 +57,9 @@ class BusLink:
         self._config = config
         self._key = key
         self._ended = threading.Event()
+        self._asking = ThreadPoolExecutor(_AT_ONCE, thread_name_prefix="ask")
+        # However many ask, and however slowly they are answered: a stop goes out at once.
+        self._stopping = ThreadPoolExecutor(_STOPS_AT_ONCE, thread_name_prefix="stop")
         self.mirror = Mirror(patience_s=max(2.0, 3.0 * config.bus.heartbeat_s))
 
     async def ask(
@@ -74,7 +83,8 @@ class BusLink:
         Raises:
             CellctlError: what the cell, or the way to it, says against it.
         """
-        return await asyncio.to_thread(self._ask, body, attachment, role, visitor, timeout_s)
+        pool = self._stopping if body.command == "stop" else self._asking
+        return await _in(pool, lambda: self._ask(body, attachment, role, visitor, timeout_s))
 
     async def file(
         self, kind: FileKind, job_id: str, *, role: Role = Role.VISITOR
@@ -89,7 +99,7 @@ class BusLink:
             with CellClient.for_role(self._config, role, _REQUEST_S, self._key) as cell:
                 return cell.file(kind, job_id)
 
-        return await asyncio.to_thread(ask)
+        return await _in(self._asking, ask)
 
     def _ask(
         self,
@@ -117,6 +127,8 @@ class BusLink:
             self._ended.set()
             await asyncio.gather(ticking, return_exceptions=True)
             await asyncio.to_thread(thread.join, _END_PATIENCE_S)
+            for pool in (self._asking, self._stopping):
+                pool.shutdown(wait=False, cancel_futures=True)
 
     async def _tick(self) -> None:
         while True:
@@ -133,9 +145,17 @@ class BusLink:
                     )
             except CellctlError as error:
                 log.debug("the cell does not answer", reason=str(error))
-            except RuntimeError:  # the loop is closed: the page ends
-                return
+            except Exception:
+                if loop.is_closed():  # the page ends
+                    return
+                # Without this thread the page would never again be anything but stale.
+                log.exception("the cell cannot be followed")
             self._ended.wait(_AGAIN_S)
+
+
+async def _in(pool: ThreadPoolExecutor, work: Callable[[], T]) -> T:
+    """What waits elsewhere, and the page goes on."""
+    return await asyncio.get_running_loop().run_in_executor(pool, work)
 
 
 class _Listener:

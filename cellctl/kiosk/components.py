@@ -9,12 +9,15 @@ from typing import Any, Literal
 from nicegui import ui
 from nicegui.element import Element
 from nicegui.elements.mixins.text_element import TextElement
+from pydantic import ValidationError
 
 from cellctl.errors import CellctlError
 
 Kind = Literal["plain", "strong", "quiet", "danger"]
 """``strong``: what is most likely wanted, one of a page; ``danger``: stop."""
 Action = Callable[[], Awaitable[None]]
+_WAITING_MOST = 4
+"""Sentences of one page that wait for each other; what a browser sends beyond is no person's."""
 
 
 def box(tag: str = "div", classes: str = "", **attributes: str) -> Element:
@@ -127,11 +130,16 @@ async def attempt(element: Element, action: Action) -> bool:
     try:
         await action()
     except CellctlError as error:
-        if not element.is_deleted:
-            with element:
-                notice(str(error))
-        return False
-    return True
+        why = str(error)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False)[0]
+        why = f"{' '.join(map(str, first['loc']))}: {first['msg']}"
+    else:
+        return True
+    if not element.is_deleted:
+        with element:
+            notice(why)
+    return False
 
 
 def notice(text: str) -> None:
@@ -162,6 +170,8 @@ class Entry(Element):
         super().__init__("form")
         self.classes("entry")
         self._send = send
+        self._longest = longest
+        self._waiting = 0
         self._sending = asyncio.Lock()
         name = f"entry-{self.id}"
         with self:
@@ -191,7 +201,12 @@ class Entry(Element):
         attribute(self._input, "placeholder", label)
 
     async def _submitted(self, event: Any) -> None:
-        text = str(event.args).strip()
-        if text:
+        text = str(event.args).strip()[: self._longest]
+        if not text or self._waiting >= _WAITING_MOST:
+            return
+        self._waiting += 1
+        try:
             async with self._sending:
                 await attempt(self, lambda: self._send(text))
+        finally:
+            self._waiting -= 1

@@ -30,6 +30,7 @@ from cellctl.messages import (
     SpeechData,
     StateData,
     StatusMessage,
+    VoiceData,
 )
 
 log = structlog.get_logger(__name__)
@@ -47,6 +48,7 @@ _FIELDS: Final[dict[type, str]] = {
     GripperData: "gripper",
     FaultData: "fault",
     EarsData: "ears",
+    VoiceData: "voice",
     DialogueData: "dialogue",
     HealthData: "health",
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -14,6 +13,7 @@ from nicegui import app, ui
 
 from cellctl.config import CellConfig
 from cellctl.kiosk.bus_link import BusLink
+from cellctl.kiosk.cookies import cookie_secret
 from cellctl.kiosk.operator.login import FrontDoor
 from cellctl.kiosk.operator.page import operator_page
 from cellctl.kiosk.origin import is_here
@@ -72,7 +72,7 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
         show_welcome_message=False,
         reconnect_timeout=_RECONNECT_S,
         binding_refresh_interval=None,
-        storage_secret=secrets.token_urlsafe(32),
+        storage_secret=cookie_secret(),
         session_middleware_kwargs={"same_site": "strict"},
     )
 

@@ -18,6 +18,7 @@ from cellctl.config import CellConfig
 from cellctl.drawing.svg import assembly_svg
 from cellctl.errors import CellctlError
 from cellctl.kiosk.bus_link import BusLink
+from cellctl.kiosk.words import Words
 from cellctl.messages import FileData, FileKind
 
 log = structlog.get_logger(__name__)
@@ -34,6 +35,8 @@ class JobFile:
 
     data: FileData
     content: bytes
+    plan_id: str | None = None
+    """Of the plan that was asked about then; a change makes another one for the same job."""
 
 
 class JobFiles:
@@ -58,14 +61,22 @@ class JobFiles:
             CellctlError: there is none, or it cannot be had any more.
         """
         async with self._asking:
-            key = (job_id, kind)
-            if (kept := self._files.get(key)) is not None:
+            key, plan_id = (job_id, kind), self._plan_id(job_id)
+            kept = self._files.get(key)
+            if kept is not None and plan_id in {None, kept.plan_id}:
                 self._files.move_to_end(key)
                 return kept
             data, content = await self._link.file(kind, job_id, role=Role.VISITOR)
-            found = self._files[key] = JobFile(data, content)
+            found = self._files[key] = JobFile(data, content, plan_id)
+            self._files.move_to_end(key)
             self._forget()
             return found
+
+    def _plan_id(self, job_id: str) -> str | None:
+        """The plan of a job as it is known now; None for a job that is not the last one."""
+        snapshot = self._link.mirror.snapshot
+        job = snapshot.job if snapshot is not None else None
+        return job.plan_id if job is not None and job.job_id == job_id else None
 
     async def plan(self, job_id: str) -> BuildPlan:
         """The plan of a job.
@@ -99,11 +110,12 @@ class JobFiles:
             self._files.popitem(last=False)
 
 
-def picture_svg(plan: BuildPlan, config: CellConfig) -> str:
+def picture_svg(plan: BuildPlan, config: CellConfig, words: Words) -> str:
     """A picture of the object of a plan, with its name and how many parts it has."""
     title = plan.title[:1].upper() + plan.title[1:]
     edges = " x ".join(f"{round(edge * plan.pitch_m * 100)}" for edge in plan.assembly.size)
-    caption = f"{len(plan.assembly.cells)} parts, {edges} cm, {config.cell.name}"
+    count = len(plan.assembly.cells)
+    caption = words.say("take.caption", count=count, size=edges, cell=config.cell.name)
     return assembly_svg(plan.assembly.cells, config.grid, title=title, caption=caption)
 
 

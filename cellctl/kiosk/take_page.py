@@ -11,6 +11,7 @@ from cellctl.errors import CellctlError
 from cellctl.kiosk.components import Text, box, icon
 from cellctl.kiosk.shell import Page
 from cellctl.kiosk.take_home import JobFiles, picture_svg
+from cellctl.kiosk.words import Words
 from cellctl.messages import FileKind
 
 _HOUR = {"Cache-Control": "private, max-age=3600"}
@@ -33,12 +34,13 @@ def add_files(files: JobFiles, config: CellConfig) -> None:
         return await _file(files, job_id, "steps")
 
     @app.get("/job/{job_id}/picture.svg")
-    async def picture(job_id: str) -> Response:
+    async def picture(job_id: str, lang: str = "") -> Response:
         try:
             plan = await files.plan(job_id)
         except CellctlError as error:
             return _missing(error)
-        return Response(picture_svg(plan, config), media_type="image/svg+xml", headers=_HOUR)
+        words = Words(lang or config.dialogue.language)
+        return Response(picture_svg(plan, config, words), media_type="image/svg+xml", headers=_HOUR)
 
 
 async def _file(files: JobFiles, job_id: str, kind: FileKind) -> Response:
@@ -72,12 +74,13 @@ async def take_page(page: Page, files: JobFiles, job_id: str) -> None:
             Text("p", words.say("take.gone_how"), "visit__sentence")
         return
     name = f"{plan.title}-{job_id}".replace(" ", "-")
+    address = f"/job/{job_id}/picture.svg?lang={words.language}"
     with box("section", "take"):
         Text("h1", plan.title[:1].upper() + plan.title[1:], "visit__state")
-        picture = box("img", "take__picture", src=f"/job/{job_id}/picture.svg")
+        picture = box("img", "take__picture", src=address)
         picture.props["alt"] = words.say("take.picture_of", title=plan.title)
         with box("div", "take__files"):
-            with box("a", "button button--strong", href=f"/job/{job_id}/picture.svg") as save:
+            with box("a", "button button--strong", href=address) as save:
                 icon("home")
                 Text("span", words.say("take.picture"))
             save.props["download"] = f"{name}.svg"

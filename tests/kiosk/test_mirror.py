@@ -20,7 +20,9 @@ from cellctl.messages import (
     Snapshot,
     StateData,
     StatusMessage,
+    VoiceData,
 )
+from cellctl.notices import NOTICES
 
 
 def snapshot(seq: int = 1, **changes: object) -> Snapshot:
@@ -86,6 +88,18 @@ def test_a_daemon_that_begins_to_count_anew_is_noticed() -> None:
     assert sequence.place(1) == "gap"
     sequence.snapshot(3)
     assert [sequence.place(seq) for seq in (2, 3, 4)] == ["known", "known", "next"]
+
+
+def test_a_lost_loudspeaker_is_known_at_once() -> None:
+    mirror = Mirror(2.0)
+
+    def hear() -> None:
+        mirror.take_snapshot(snapshot())
+        mirror.take(message(VoiceData(state="lost", notice=NOTICES["loudspeaker_lost"])))
+
+    in_loop(hear)
+    assert mirror.snapshot is not None
+    assert mirror.snapshot.voice.notice == NOTICES["loudspeaker_lost"]
 
 
 def test_parts_come_and_go() -> None:

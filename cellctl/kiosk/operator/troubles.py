@@ -186,8 +186,8 @@ class _Notices:
 
     def show(self, snapshot: Snapshot | None) -> None:
         """Show the notices of now."""
-        told = (snapshot.gripper.notice, snapshot.ears.notice) if snapshot is not None else ()
-        wanted = tuple(notice for notice in told if notice is not None)
+        parts = (snapshot.gripper, snapshot.ears, snapshot.voice) if snapshot is not None else ()
+        wanted = tuple(part.notice for part in parts if part.notice is not None)
         shown(self._whole, bool(wanted))
         if wanted == self._shown:
             return

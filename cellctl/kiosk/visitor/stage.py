@@ -52,7 +52,10 @@ class Stage:
 
 
 def _mesh(snapshot: Snapshot) -> str:
-    """Address of the shape that the job's object was made from; empty where there is none."""
+    """Address of the shape that the job's object was made from; empty where there is none.
+
+    It is another one for each plan, so that no browser keeps the shape before a change.
+    """
     job = snapshot.job
     designed = job is not None and job.request is not None
-    return f"/job/{job.job_id}/mesh.glb" if job is not None and designed else ""
+    return f"/job/{job.job_id}/mesh.glb?plan={job.plan_id}" if job is not None and designed else ""
