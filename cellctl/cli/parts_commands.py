@@ -15,6 +15,7 @@ from cellctl.errors import UsageError
 from cellctl.messages import (
     Command,
     CountCommand,
+    DropWishCommand,
     MissingCommand,
     OwnCommand,
     PartPlace,
@@ -50,6 +51,25 @@ def register(app: typer.Typer) -> None:
         with client(config, role, key) as cell:
             reply = cell.command("hand_over")
         show_reply(reply)
+
+    @app.command()
+    def wishes(
+        drop: Annotated[
+            int | None, typer.Option("--drop", metavar="N", help="Forget the wish of this number.")
+        ] = None,
+        config: ConfigOption = None,
+        key: KeyOption = None,
+    ) -> None:
+        """Show the wishes that wait for their turn, or have one of them forgotten."""
+        if drop is not None:
+            tell(DropWishCommand(ticket=drop), config, key)
+            return
+        with client(config, Role.VISITOR, key) as cell:
+            waiting = cell.snapshot().dialogue.queue
+        for entry in waiting:
+            typer.echo(f"{entry.ticket}  {entry.wish}  {entry.name}".rstrip())
+        if not waiting:
+            typer.echo("Nobody waits.")
 
     @app.command()
     def recover(

@@ -118,6 +118,7 @@ class Daemon:
             self._publish,
             voice=self.voice,
             asks=lambda: self.conversation.asks,
+            changes=lambda text: self.conversation.is_change(text),  # noqa: PLW0108 - made below
             sayings=Phrasebook(wording).sayings,
         )
         self.turns = Turns(config, self.clock)

@@ -2,8 +2,8 @@
 
 Everything that comes from a microphone is a visitor's. After the wake word or the button it is a
 request. Without them only *stop* counts, in every state; *pause* while something is under way; and
-*yes* and *no* while the cell asks. All other talk is forgotten as soon as it has been recognised:
-it is neither published nor logged.
+*yes* and *no* while the cell asks, and what changes that which it asks about. All other talk is
+forgotten as soon as it has been recognised: it is neither published nor logged.
 """
 
 from __future__ import annotations
@@ -62,6 +62,7 @@ class LiveEars:
         publish: sends a status message.
         voice: what the cell says itself, and what falls silent when somebody else speaks.
         asks: whether a yes or a no would be an answer now.
+        changes: whether words change what the one in front is asked about.
         sayings: words of command in the cell's language.
     """
 
@@ -74,6 +75,7 @@ class LiveEars:
         *,
         voice: LiveVoice,
         asks: Callable[[], bool],
+        changes: Callable[[str], Awaitable[bool]],
         sayings: Sayings,
     ) -> None:
         self._settings = settings
@@ -85,6 +87,7 @@ class LiveEars:
         self._own = OwnWords()
         self._drafts = Drafts(hearing.hear_samples)
         self._asks = asks
+        self._changes = changes
         self._sayings = sayings
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
@@ -207,7 +210,7 @@ class LiveEars:
                     log.info("own voice heard")
                     continue
                 said = utterance.model_copy(update={"text": others})
-                await self._judge(segment, said, take)
+                await self._judge(segment, said, own, take)
             except HearingError as error:
                 log.warning("speech not recognised", reason=str(error))
                 self._tell(str(error))
@@ -243,7 +246,7 @@ class LiveEars:
         await self._do(Utterance(text="stop", source="microphone"), segment, take)
         return True
 
-    async def _judge(self, segment: Segment, utterance: Utterance, take: Take) -> None:
+    async def _judge(self, segment: Segment, utterance: Utterance, own: str, take: Take) -> None:
         word = overheard_command(utterance.text, self._sayings)
         if segment.after and not utterance.text:
             self._publish(SpeechData(utterance=utterance))
@@ -251,6 +254,9 @@ class LiveEars:
         elif segment.after or (word is not None and self._counts(word)):
             said = utterance if word != "stop" else utterance.model_copy(update={"text": word})
             await self._do(said, segment, take)
+        elif word is None and not own and utterance.text and await self._changes(utterance.text):
+            # Not while the cell itself speaks: half of its question may sound like a change.
+            await self._do(utterance, segment, take)
 
     async def _do(self, utterance: Utterance, segment: Segment, take: Take) -> None:
         delay_s = round(time.monotonic() - segment.speech_end_s, 3)

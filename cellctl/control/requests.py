@@ -29,6 +29,7 @@ from cellctl.messages import (
     ConfirmCommand,
     ControlReply,
     ControlRequest,
+    DropWishCommand,
     GripperCommand,
     HandCommand,
     HearCommand,
@@ -161,7 +162,7 @@ class RequestDesk:
                 said = Utterance(text=body.text, source="text")
                 return await self._conversation.take(said, role, owner)
             case ListenCommand():
-                return self._ears.listen()
+                return self._listen(role, owner)
             case MuteCommand():
                 return self._ears.mute(body.command == "mute")
             case HearCommand():
@@ -175,6 +176,8 @@ class RequestDesk:
             case ConfirmCommand():
                 answer = Input.YES if body.answer else Input.NO
                 return await self._conversation.press(answer, role, owner)
+            case DropWishCommand():
+                return self._conversation.drop(body.ticket)
             case PlainCommand():
                 return await self._plain(body.command, role, owner)
             case HandCommand():
@@ -185,6 +188,12 @@ class RequestDesk:
                 return ""
             case _:
                 return await self._books.take(body)
+
+    def _listen(self, role: Role, owner: str) -> str:
+        if owner and role is Role.VISITOR:
+            # From elsewhere it would only overhear the people in front of the cell.
+            raise RefusedError(self._cell.sentences.wording.text("explain.talk_there"))
+        return self._ears.listen()
 
     async def _hand(self, command: HandCommand) -> str:
         hand = self._cell.hand

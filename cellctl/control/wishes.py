@@ -33,6 +33,7 @@ from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.translating import TranslatingInterpreter, Translator
 from cellctl.listening.understanding.choosing import interpreter_for
+from cellctl.listening.understanding.embedded import EmbeddedInterpreter
 from cellctl.listening.understanding.interpreter import Interpreter, Setting
 from cellctl.messages import SpeechData, StatusData
 from cellctl.wording import Wording
@@ -76,8 +77,10 @@ class Wishes:
         self._ledger = ledger
         self._wording = wording
         self._interpreter: Interpreter = interpreter_for(config)
+        self._rules: Interpreter = EmbeddedInterpreter()
         if translator := Translator(wording.hearing.get("words", {})):
             self._interpreter = TranslatingInterpreter(self._interpreter, translator)
+            self._rules = TranslatingInterpreter(self._rules, translator)
         self.recording: tuple[str, bytes] | None = None
         """Name and content of the recording to listen to; forgotten when it is heard."""
         self.recogniser = "not loaded"
@@ -112,6 +115,15 @@ class Wishes:
         self._show(SpeechData(utterance=utterance, request=request))
         log.info("understood", intent=request.intent)
         return request
+
+    async def reads_as_change(self, text: str) -> bool:
+        """Whether words change a shape, such as ``make it taller``.
+
+        By rules alone, and told to nobody: it may be talk that is not meant for the cell.
+        """
+        setting = Setting.of(self._config)
+        request = await asyncio.to_thread(self._rules.interpret, text, setting)
+        return request.intent is Intent.EDIT and not request.refusal
 
     async def interpret(self, job: Job, post: Post) -> None:
         """Find out what the words ask for."""

@@ -81,6 +81,14 @@ class PlainCommand(Value):
     """``another``: instead of yes or no, show another shape for the same wish."""
 
 
+class DropWishCommand(Value):
+    """Forget one wish that waits for its turn."""
+
+    command: Literal["drop_wish"] = "drop_wish"
+    ticket: int
+    """Its number in the line."""
+
+
 class RefillCommand(Value):
     """Tell that parts from the stock were laid on the belt."""
 
@@ -216,6 +224,7 @@ Order = (
     | PlainCommand
     | ListenCommand
     | MuteCommand
+    | DropWishCommand
     | RefillCommand
     | RecoverCommand
     | MissingCommand
@@ -230,7 +239,7 @@ Command = Annotated[Order | Inquiry, Field(discriminator="command")]
 
 OPERATOR_COMMANDS = frozenset(
     {"build", "resume", "reset", "clear", "refill", "recover", "missing", "count", "own", "hand"}
-    | {"unmute", "calibrated", "gripper", "history", "job", "about", "audit"}
+    | {"unmute", "calibrated", "gripper", "history", "job", "about", "audit", "drop_wish"}
 )
 """Commands that a visitor may not give."""
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from cellctl.errors import RefusedError
-from cellctl.messages import DialogueData, visitor_mark
+from cellctl.messages import DialogueData, DropWishCommand, visitor_mark
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -115,6 +115,13 @@ def test_somebody_else_waits_in_line_and_cannot_say_yes(idle: RunningCell) -> No
     assert said(idle, "the letter I", "ben").endswith("number 2 in the line.")
     assert "no more wishes can wait" in refused(idle, "the letter V", "ben")
     assert "2 wishes wait" in said(idle, "who is next?")
+    ticket = dialogue(idle).queue[1].ticket
+    with pytest.raises(RefusedError, match="needs the operator"):
+        idle.visitor.request(DropWishCommand(ticket=ticket))
+    assert "Dropped: a letter" in idle.client.request(DropWishCommand(ticket=ticket)).message
+    with pytest.raises(RefusedError, match="No wish"):
+        idle.client.request(DropWishCommand(ticket=ticket))
+    assert said(idle, "the letter I", "ben").endswith("number 2 in the line.")
     assert "dropped your wish" in said(idle, "cancel", "ben")
     assert idle.client.snapshot().state.state == "validating_confirming"
     said(idle, "no")
@@ -135,6 +142,7 @@ def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
     assert refused(idle, "it's mine") == "Nothing stands in the workspace."
     idle.client.build("bar.json", bar(1, 1, 1))
     idle.wait_state("validating_confirming")
+    assert "Another visitor" in refused(idle, "yes", "anna")
     said(idle, "yes")
     working = idle.wait("work", lambda now: now.dialogue.phase == "building").dialogue
     assert working.offers == ("stop", "cancel")
@@ -143,7 +151,9 @@ def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
     assert "dropped" in said(idle, "cancel", "anna")
     idle.finish()
     assert set(dialogue(idle).offers) == {"take_apart", "hand_over"}
+    assert "somebody else" in refused(idle, "thank you, it is mine", "anna")
     assert "1 part" in said(idle, "thank you, it is mine")
+    assert "somebody else" in refused(idle, "yes", "anna")
     asking = dialogue(idle)
     assert (asking.phase, asking.question) == ("asking", "hand_over")
     idle.wait("silence", lambda now: now.dialogue.question == "")

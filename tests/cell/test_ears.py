@@ -33,7 +33,7 @@ def spoken_to(
         of its last sound.
     """
     with people() as there:
-        there.prepare("hey mycroft", "stop", "yes", "no", "the letter T")
+        there.prepare("hey mycroft", "stop", "yes", "no", "the letter T", "make it taller")
         with running_cell(speed=speed, **hearing(activation, speed)) as cell:
             wait_for_ears(cell)
             yield cell, there.microphone, there.say
@@ -65,8 +65,16 @@ def test_a_wish_a_yes_and_a_build_by_voice_alone() -> None:
         cell.clear_workspace()
 
         # The button, and a no.
+        cell.visitor.visitor = "somebody's phone"
+        with pytest.raises(RefusedError, match="before the cell"):
+            cell.visitor.request(ListenCommand())
+        cell.visitor.visitor = ""
         assert "listening" in cell.visitor.request(ListenCommand()).message
         speak("the letter T")
+        cell.wait_state("validating_confirming")
+        # What changes it needs no wake word while it is asked about.
+        speak("make it taller")
+        cell.wait("the change", lambda now: "taller" in now.dialogue.heard)
         cell.wait_state("validating_confirming")
         speak("no")
         assert cell.finish().outcome == "declined"

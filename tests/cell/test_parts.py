@@ -120,7 +120,7 @@ def test_what_stands_is_handed_over_or_cleared_before_the_next_build(idle: Runni
     with pytest.raises(RefusedError, match="A job is under way"):
         idle.client.command("hand_over")
     finish(idle)
-    assert "cellctl hand-over" in idle.client.snapshot().state.sentence
+    assert "You may take it along" in idle.client.snapshot().state.sentence
     with pytest.raises(RefusedError, match="needs the operator"):
         idle.visitor.command("clear")
     assert idle.world.hand_over() == 2

@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from cellctl.control.dialogue.conversation import EVENTS_OF
+from cellctl.control.dialogue.events import EVENTS_OF
 from cellctl.control.dialogue.scene import Scene
 from cellctl.control.dialogue.table import STRANGERS, TABLE, Act, Decision, Input, Place, decide
 from cellctl.control.states import (
@@ -93,7 +93,7 @@ def _without_a_person(start: str) -> frozenset[str]:
 def test_the_machines_question_is_all_that_the_conversation_decides() -> None:
     """What else it passes on are words of command, and wishes that the machine takes at rest."""
     words = {Act.STOP, Act.PAUSE, Act.RESUME, Act.CANCEL}
-    begins = {Act.BEGIN, Act.BEGIN_AGAIN, Act.TAKE_APART, Act.QUEUE}
+    begins = {Act.BEGIN, Act.BEGIN_AGAIN, Act.TAKE_APART}
     books = {Act.HAND_OVER}
     asked = {Act.CONFIRM, Act.DECLINE, Act.CHANGE, Act.ANOTHER}
     assert EVENTS_OF.keys() - words - begins - books == asked

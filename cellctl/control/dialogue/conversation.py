@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import timedelta
 
 import structlog
@@ -17,8 +16,10 @@ from cellctl.control.commands import Commands
 from cellctl.control.dialogue.answers import Answers
 from cellctl.control.dialogue.board import DialogueBoard
 from cellctl.control.dialogue.explaining import Explainer
+from cellctl.control.dialogue.names import Names
 from cellctl.control.dialogue.naming import Naming
 from cellctl.control.dialogue.reading import Phrasebook, Reading
+from cellctl.control.dialogue.said import Said, Who
 from cellctl.control.dialogue.table import Act, Input, Place, decide
 from cellctl.control.dialogue.transcript import Transcript
 from cellctl.control.dialogue.turns import Turns
@@ -32,46 +33,8 @@ log = structlog.get_logger(__name__)
 
 _TICK_S = 0.25
 """How often time-outs and turns are looked at (wall time)."""
-_NAMES_MOST = 100
 _SHOWN_ONLY = frozenset({"reply.thinking", "reply.changing", "reply.another"})
 """Lines that nobody needs to hear: what follows says more."""
-
-
-EVENTS_OF: dict[Act, tuple[Event, ...]] = {
-    Act.CONFIRM: (Event.CONFIRM, Event.CONFIRM_TAKING),
-    Act.DECLINE: (Event.DECLINE,),
-    Act.CHANGE: (Event.CHANGE,),
-    Act.ANOTHER: (Event.CHANGE,),
-    Act.BEGIN: (Event.SAY,),
-    Act.BEGIN_AGAIN: (Event.SAY,),
-    Act.QUEUE: (Event.SAY,),
-    Act.TAKE_APART: (Event.TAKE_APART,),
-    Act.HAND_OVER: (Event.BOOK,),
-    Act.STOP: (Event.STOP,),
-    Act.PAUSE: (Event.PAUSE,),
-    Act.CANCEL: (Event.CANCEL,),
-    Act.RESUME: tuple(event for event in Event if event.value.startswith("resume_")),
-}
-"""What each act may tell the machine; the others tell it nothing."""
-
-
-@dataclass(frozen=True)
-class Who:
-    """The one who says something."""
-
-    role: Role
-    owner: str = ""
-    """Mark of a visitor; empty for the one in front of the cell."""
-
-
-@dataclass(frozen=True)
-class Said:
-    """What somebody said, as far as it is understood."""
-
-    who: Who
-    utterance: Utterance
-    reading: Reading
-    request: Request | None = None
 
 
 class Conversation:
@@ -107,7 +70,7 @@ class Conversation:
         self.phrasebook = Phrasebook(self._wording)
         self._answers = Answers(cell, lambda: turns.entries)
         self._explainer = Explainer(self._wording, clock)
-        self._names: OrderedDict[str, str] = OrderedDict()
+        self._names = Names(clock.now_s)
         self._place = Place.STARTING
         self._deadline_s = 0.0
         cell.wishes.explain = self.explain
@@ -148,6 +111,19 @@ class Conversation:
         """Whether a yes or a no would be an answer now."""
         return self._follow() in {Place.ASKING_BUILD, Place.ASKING_APART, Place.ASKING_HAND_OVER}
 
+    async def is_change(self, text: str) -> bool:
+        """Whether words ask for something else than what the one in front is asked about now.
+
+        The plan is only asked about again for them, and nothing moves.
+        """
+        job = self._cell.active_job
+        if self._follow() is not Place.ASKING_BUILD or job is None or job.owner:
+            return False
+        said = self.phrasebook.read(text).said
+        if said is not Input.SENTENCE:
+            return said is Input.ANOTHER
+        return await self._cell.wishes.reads_as_change(text)
+
     async def take(self, utterance: Utterance, role: Role, owner: str = "") -> str:
         """Do what somebody said, typed or spoken; returns what the cell says to it.
 
@@ -158,6 +134,7 @@ class Conversation:
         if reading.said is not Input.SENTENCE:
             self._explainer.understood()
         self._board.heard(utterance.text)
+        self._names.heard(owner, at_work=self._has_job(owner))
         self._transcript.keep(role.value, utterance.text)
         return await self._say(Said(Who(role, owner), utterance, reading))
 
@@ -167,8 +144,23 @@ class Conversation:
         Raises:
             CellctlError: why it is not done.
         """
+        if said in {Input.TAKE_APART, Input.HAND_OVER}:
+            self._board.heard("")  # what was said before is about something else
+        self._names.heard(owner, at_work=self._has_job(owner))
         pressed = Utterance(text=said.value.replace("_", " "), source="text")
         return await self._say(Said(Who(role, owner), pressed, Reading(said)))
+
+    def drop(self, ticket: int) -> str:
+        """Forget one wish that waits, whosever it is; returns what is said of it.
+
+        Raises:
+            RefusedError: none has that number.
+        """
+        dropped = self._turns.remove(ticket)
+        if dropped is None:
+            raise RefusedError(self._wording.text("queue.no_such", ticket=ticket))
+        self._board.refresh()
+        return self._wording.text("queue.dropped_by_operator", wish=dropped.wish)
 
     async def run(self) -> None:
         """Look after time-outs and turns until cancelled."""
@@ -265,10 +257,15 @@ class Conversation:
             self._board.ask_hand_over(None)
         self._follow()
 
+    def _has_job(self, owner: str) -> bool:
+        job = self._cell.active_job
+        return job is not None and job.owner == owner
+
     def _is_stranger(self, who: Who) -> bool:
         job = self._cell.active_job
-        if job is None or who.role is Role.OPERATOR or job.role is Role.OPERATOR:
+        if job is None or who.role is Role.OPERATOR:
             return False
+        # An operator's job is asked about in front of the cell, and nowhere else.
         return job.owner != who.owner
 
     def _line(self, key: str, **fields: object) -> Line:
@@ -295,7 +292,7 @@ class Conversation:
                 raise RefusedError(self.explain(said.utterance, request))
             return await self._queue(replace(said, request=request))
         job = Job(said.who.role, utterance=said.utterance, owner=said.who.owner)
-        job.owner_name = self._names.get(said.who.owner, "")
+        job.owner_name = self._names.of(said.who.owner)
         await self._cell.controller.command(Event.SAY, lambda: self._cell.begin(job))
         return self._line("reply.thinking")
 
@@ -310,12 +307,13 @@ class Conversation:
         assert request is not None, "a wish that waits was understood"
         if said.who.role is Role.OPERATOR:
             # An operator has the cell's own word, and need not wait in a line.
-            await self._cell.controller.command(Event.SAY)
+            state = self._cell.controller.state
+            raise RefusedError(self._wording.text("refused.busy", state=state))
         owner = said.who.owner
         wish = self._naming.wish(request)
         if self._turns.is_full_for(owner):
             raise RefusedError(self._wording.text("queue.full"))
-        name = self._names.get(owner, "")
+        name = self._names.of(owner)
         self._turns.add(said.utterance, wish, owner=owner, name=name, copies=copies)
         job = self._cell.active_job
         place = len(self._turns.entries)
@@ -395,14 +393,30 @@ class Conversation:
     async def _decline(self, _said: Said) -> Line:
         return self._reply("no", await self._commands.answer(yes=False))
 
-    async def _ask_hand_over(self, _said: Said) -> Line:
+    def _refuse_anothers_object(self, who: Who) -> None:
+        """What stands is taken along from where it stands, or by the one for whom it was built.
+
+        Raises:
+            RefusedError: somebody elsewhere says so.
+        """
+        job = self._cell.job
+        if who.role is Role.VISITOR and who.owner and (job is None or job.owner != who.owner):
+            raise RefusedError(self._wording.text("explain.anothers_object"))
+
+    async def _ask_hand_over(self, said: Said) -> Line:
+        self._refuse_anothers_object(said.who)
         count = len(self._cell.builder.standing)
         if not count:
             raise RefusedError(self._wording.text("explain.nothing_stands"))
         return self._line("ask.hand_over", amount=self._wording.text("count.parts", count=count))
 
     async def _hand_over(self, said: Said) -> Line:
-        return self._reply("handed_over", await self._commands.take("hand_over", said.who.role))
+        self._refuse_anothers_object(said.who)
+        count = len(self._cell.builder.standing)
+        await self._commands.take("hand_over", said.who.role)
+        return self._line(
+            "reply.handed_over", amount=self._wording.text("count.parts", count=count)
+        )
 
     async def _leave(self, _said: Said) -> Line:
         return self._line("reply.stays")
@@ -451,10 +465,7 @@ class Conversation:
 
     async def _keep_name(self, said: Said) -> Line:
         owner, name = said.who.owner, said.reading.name
-        self._names[owner] = name
-        self._names.move_to_end(owner)
-        if len(self._names) > _NAMES_MOST:
-            self._names.popitem(last=False)
+        self._names.keep(owner, name)
         self._turns.call(owner, name)
         job = self._cell.active_job
         if job is not None and not self._is_stranger(said.who):

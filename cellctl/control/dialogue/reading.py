@@ -8,6 +8,7 @@ from typing import Literal
 
 from cellctl.control.dialogue.table import Input
 from cellctl.listening.commands import Sayings, plain, spoken_command
+from cellctl.listening.understanding.policy import refusal_of
 from cellctl.wording import REFERENCE_LANGUAGE, Wording, load_wording
 
 Topic = Literal["can_make", "how_long", "doing", "parts_left", "why", "queue", "who"]
@@ -76,12 +77,19 @@ class Phrasebook:
             return Reading(_INPUTS[command])
         sentence = plain(text)
         for pattern in self._names:
-            if (match := pattern.fullmatch(sentence)) and len(match[1]) <= _NAME_MOST:
+            match = pattern.fullmatch(sentence)
+            if match and len(match[1]) <= _NAME_MOST and not _offends(match[1]):
                 return Reading(Input.NAME, name=match[1].title())
         for topic, pattern in self._questions:
             if pattern.fullmatch(sentence):
                 return Reading(Input.QUESTION, topic=topic)
         return Reading(Input.SENTENCE)
+
+
+def _offends(name: str) -> bool:
+    """Whether it is no name to be called aloud by, or shown to everybody."""
+    words = name.split()
+    return bool(refusal_of(words, words[-1]))
 
 
 def _listed(value: object) -> list[object]:

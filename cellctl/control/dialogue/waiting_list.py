@@ -86,8 +86,9 @@ class WaitingList:
         return first
 
     def put_back(self, one: Waiting) -> None:
-        """What was taken could not be begun: it is the next one again."""
-        self._keep((one, *self._waiting))
+        """What was taken could not be begun: it is the next one again, with all its copies."""
+        rest = tuple(kept for kept in self._waiting if kept.entry.ticket != one.entry.ticket)
+        self._keep((one, *rest))
 
     def drop(self, owner: str) -> QueueEntry | None:
         """Forget that visitor's newest wish."""

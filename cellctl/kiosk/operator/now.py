@@ -39,7 +39,9 @@ class Now:
             "stop": Button(say("act.stop"), plain(order("stop")), kind="danger", picture="stop"),
             "yes": Button(
                 say("act.yes"),
-                desk.asking_first("confirm", plain(ConfirmCommand(answer=True))),
+                desk.asking_first(
+                    "confirm", plain(ConfirmCommand(answer=True)), self._what_a_yes_does
+                ),
                 picture="yes",
             ),
             "no": Button(say("act.no"), plain(ConfirmCommand(answer=False)), picture="no"),
@@ -59,6 +61,12 @@ class Now:
             ),
             "mute": Button(say("act.mute"), plain(MuteCommand(command="mute")), picture="muted"),
         }
+
+    def _what_a_yes_does(self) -> str:
+        """What a yes to the open question leads to."""
+        snapshot = self._desk.snapshot
+        hands_over = snapshot is not None and snapshot.dialogue.question == "hand_over"
+        return self._desk.words.say("sure.hand_over" if hands_over else "sure.confirm")
 
     def _what_resumes(self) -> str:
         """What resuming will do, and what it takes for granted."""
@@ -92,7 +100,8 @@ class Now:
             possible = desk.takes(name)
             self._buttons[name].enable(possible)
             shown(self._buttons[name], possible or name == "pause")
-        asked = desk.takes("confirm")
+        question = snapshot.dialogue.question if snapshot is not None else ""
+        asked = desk.takes("confirm") or (question == "hand_over" and desk.takes("hand_over"))
         for name in ("yes", "no"):
             shown(self._buttons[name], asked)
         ears = snapshot.ears.state if snapshot is not None else "off"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cellctl.kiosk.components import Text, box, shown
 from cellctl.kiosk.operator.desk import Desk, lasting
+from cellctl.kiosk.operator.wishes import Wishes
 from cellctl.kiosk.scene.pictures import cell_picture
 from cellctl.kiosk.scene.view import CellView
 from cellctl.messages import Snapshot
@@ -25,6 +26,7 @@ class Overview:
                 Text("h2", say("cell.figures"), "panel__title").props["id"] = "figures"
                 with box("dl", "facts"):
                     self._rows = {name: self._row(name) for name in _ROWS}
+        self._wishes = Wishes(desk)
         self._nothing = Text("p", say("page.never_sentence"), "hint")
 
     def _row(self, name: str) -> Text:
@@ -35,6 +37,7 @@ class Overview:
         """Show the cell as it is known now."""
         snapshot, words = self._desk.snapshot, self._desk.words
         shown(self._nothing, snapshot is None)
+        self._wishes.show(snapshot)
         if snapshot is None:
             return
         picture = cell_picture(snapshot)

@@ -77,11 +77,13 @@ class Actions:
         page = self._page
         shown(self._whole, now.phase != "never")
         stale = page.site.mirror.stale
+        # A visitor's own device cannot be talked to: the microphone is the cell's.
+        offers = set(now.offers) - ({"talk"} if page.visitor else set())
         for offer, button in self._buttons.items():
-            shown(button, offer in now.offers)
+            shown(button, offer in offers)
             # Stop is always tried: it fails safe.
             button.enable(not stale or offer == "stop")
-        shown(self._row, any(offer in now.offers for offer in self._buttons))
+        shown(self._row, bool(offers & self._buttons.keys()))
         shown(self._entry, now.phase in _TYPED_IN)
         key = "visit.type_change" if "change" in now.offers else "visit.type"
         self._entry.invite(page.words.say(key))

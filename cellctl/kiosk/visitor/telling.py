@@ -105,7 +105,7 @@ def _sentence(snapshot: Snapshot) -> tuple[str, str]:
     if _waits_for_words(talk) and talk.line is not None:
         return talk.line.text, talk.line.language
     language = talk.line.language if talk.line is not None else "en"
-    if snapshot.fault.entry is not None:
+    if snapshot.fault.entry is not None and language == "en":
         return snapshot.fault.entry.title, "en"
     return snapshot.state.sentence, language
 
