@@ -24,6 +24,10 @@ _EVENTS: Final[dict[str, tuple[Event, ...]]] = {
     "recover": (Event.RESUME_IDLE,),
 }
 """Commands whose fate is the table's; any of the events will do."""
+_KEEPING: Final = frozenset(
+    {"listening", "generating", "validating", "feeding", "assembling", "disassembling"}
+)
+"""States in which a visitor's wish is kept until its turn comes."""
 _ALREADY: Final = frozenset({"paused_braking", "paused_resting"})
 """States in which a pause is taken, and changes nothing."""
 
@@ -37,6 +41,8 @@ def possible(state: str) -> tuple[str, ...]:
     """
     events = {row.event for row in TRANSITIONS if state in row.sources}
     found = {name for name, ways in _EVENTS.items() if events.intersection(ways)} | {"stop"}
+    if top_of(state) in _KEEPING and state != "feeding_refilling":
+        found.add("say")
     if state in _ALREADY:
         found.discard("pause")
     if top_of(state) in {"idle", "fault"} or state == "paused_resting":

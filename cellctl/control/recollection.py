@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import chain
 from typing import Final
 
 import structlog
@@ -33,7 +34,8 @@ class Recollection:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._logs: deque[LogEntry] = deque(maxlen=_ENTRIES)
-        self._audit: deque[AuditEntry] = deque(maxlen=_ENTRIES)
+        # Apart, so that however much visitors do, what operators did stays known.
+        self._audit: dict[Role, deque[AuditEntry]] = {role: deque(maxlen=_ENTRIES) for role in Role}
 
     def logged(self, data: LogData) -> None:
         """A warning or an error was logged."""
@@ -45,7 +47,7 @@ class Recollection:
             return
         arguments = body.model_dump(mode="json", exclude=set(_PRIVATE), exclude_defaults=True)
         detail = ", ".join(f"{name}={value}" for name, value in arguments.items())[:_LONGEST]
-        self._audit.append(
+        self._audit[role].append(
             AuditEntry(
                 time=self._clock.wall_time(),
                 role=role,
@@ -63,5 +65,6 @@ class Recollection:
         return LogsData(entries=tuple(self._logs))
 
     def audit(self) -> AuditData:
-        """Commands."""
-        return AuditData(entries=tuple(self._audit))
+        """Commands, in their order."""
+        entries = sorted(chain(*self._audit.values()), key=lambda entry: entry.time)
+        return AuditData(entries=tuple(entries))

@@ -10,7 +10,7 @@ from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
 from cellctl.control.recovery import Doubt
 from cellctl.errors import CellFault
-from cellctl.wording import Line, Wording
+from cellctl.wording import REFERENCE_LANGUAGE, Line, Wording
 
 
 class Sentences:
@@ -52,7 +52,11 @@ class Sentences:
             found = [self.wording.line("state.recalled")] if recalled else []
             return _joined([*found, own[state]()])
         if state.startswith("fault") and fault is not None and state != "fault_recovering":
-            return self._line("state.fault", message=fault.message, hint=fault.hint)
+            said = self._line("state.fault", message=fault.message, hint=fault.hint)
+            if self.wording.language == REFERENCE_LANGUAGE:
+                return said
+            # Faults are written down in English, for those who mend them.
+            return said.model_copy(update={"text": self.wording.text("refused.fault")})
         if state == "validating_confirming" and job is not None and job.plan is not None:
             return self.question(job)
         if state.startswith(("assembling", "disassembling")):

@@ -269,6 +269,16 @@ def test_the_audit_keeps_commands_and_not_what_was_said() -> None:
     ]
 
 
+def test_visitors_cannot_have_it_forgotten_what_an_operator_did() -> None:
+    recollection = Recollection(SystemClock())
+    recollection.commanded(RefillCommand(parts=3), Role.OPERATOR, ok=True, message="")
+    for _ in range(1000):
+        recollection.commanded(SayCommand(text="hello"), Role.VISITOR, ok=True, message="")
+    entries = recollection.audit().entries
+    assert len(entries) < 1000
+    assert entries[0].command == "refill"
+
+
 @pytest.mark.parametrize(
     "state", ["idle", "feeding_indexing", "paused_resting", "paused_moving", "fault_held"]
 )

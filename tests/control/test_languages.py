@@ -15,7 +15,7 @@ import tomli_w
 from cellctl.config import HearingSection
 from cellctl.control.daemon import Daemon
 from cellctl.control.dialogue.table import Input
-from cellctl.errors import ConfigError, HearingError
+from cellctl.errors import CellFault, ConfigError, HearingError
 from cellctl.listening.models import find_model
 from tests.cell.harness import cell_config
 
@@ -53,6 +53,13 @@ def test_a_third_language_is_a_file_in_a_folder(tmp_path: Path) -> None:
     assert book.read("what can you make?").topic == "can_make"
     with daemon(tmp_path, language="de") as german:
         assert german.cell.line.text == "Ich mache mich bereit."
+        assert german.cell.sentences.wording.translated("Nothing stands in the workspace.") == (
+            "Auf der Baufläche steht nichts."
+        )
+        fault = CellFault("belt_jam", "The sensor saw no part.")
+        ledger = german.builder.ledger
+        told = german.cell.sentences.describe("fault_held", None, fault, None, ledger)
+        assert told.text.startswith("Es gibt eine Störung")
 
 
 def test_a_daemon_without_words_does_not_begin(tmp_path: Path) -> None:
