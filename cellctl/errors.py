@@ -237,7 +237,10 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         policy=Policy.HOLD,
         title="The gripper reports a fault of its own (its status line toggles).",
         causes=("The latch servo stalled.", "The gripper's calibration is damaged."),
-        remedy="Look at the latch, then reset and resume.",
+        remedy=(
+            "Look at the latch, and whether a part is in it. Reset; if the part is elsewhere than "
+            "the cell then says, tell it with `cellctl recover`; resume."
+        ),
     ),
     FaultEntry(
         code="gripper_reset",

@@ -21,8 +21,8 @@ class Gripper(Protocol):
         ...
 
     async def proof(self) -> None:
-        """Wait until the last latch has been confirmed for longer than a fault could look like it;
-        at once when it has been.
+        """See that the latch stays confirmed for longer than a fault could look like it, from now
+        on; where it does not, the arm is stopped.
 
         Raises:
             CellFault: ``gripper_fault`` or ``gripper_reset``: it was revoked.

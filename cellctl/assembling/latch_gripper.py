@@ -47,8 +47,6 @@ class LatchGripper:
         self._board = board
         self._resets_settled = 0
         """The board's resets before the last latch that it confirmed."""
-        self._confirmed_s = 0.0
-        """When that was, by the robot's clock."""
 
     async def latch(self, *, prove: bool = True, begun: bool = False) -> None:
         trouble = ""
@@ -79,9 +77,11 @@ class LatchGripper:
         )
 
     async def proof(self) -> None:
-        steady_s = self._state().robot_time_s - self._confirmed_s
-        if not await self._status(high=False, timeout_s=max(0.0, STEADY_S - steady_s)):
+        # However long ago it was confirmed, nobody has watched the line since.
+        if not await self._status(high=False, timeout_s=STEADY_S):
             return
+        # Asking the board may take a while, in which nothing may be carried.
+        await self._arm.stop()
         if await self._reset_since(self._resets_settled):
             raise CellFault("gripper_reset", "It was reset after it had confirmed the latch.")
         raise CellFault("gripper_fault", "The latch was confirmed and then revoked.")
@@ -179,7 +179,6 @@ class LatchGripper:
         confirmed = await self._status(high=True, timeout_s=self._lines.travel_timeout_s)
         if confirmed:
             self._resets_settled = resets
-            self._confirmed_s = self._state().robot_time_s
         return confirmed
 
     async def _reset_since(self, resets: int) -> bool:

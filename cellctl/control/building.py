@@ -115,6 +115,11 @@ class Builder(Acting):
             self._never_closed()
         async with self._act(ActKind.PICK, job) as act:
             belt = await (self._reach(job) if self.grip is Grip.NOTHING else self._belt.state())
+            if self.grip is Grip.LATCHING and not belt.part_present:
+                # The arm was there before the belt had answered.
+                hands.expect_at(hands.routes.pick_stance())
+                await hands.open()
+                self._open_act = None
             if self.grip is Grip.NOTHING and not belt.part_present:
                 act.failed("No part lies at the station any more.")
                 self._end_feed("failed", act.reason)
@@ -169,7 +174,7 @@ class Builder(Acting):
         finally:
             move.cancel()
             await asyncio.gather(move, return_exceptions=True)
-            if near and not self.ledger.missed and hands.may_be_closing():
+            if not self.ledger.missed and hands.may_be_closing(hands.routes.pick_stance(), near):
                 self._latch_moves(ActKind.PICK)
         if belt.part_present and self.grip is Grip.NOTHING and not hands.is_open():
             await hands.open()
@@ -191,7 +196,7 @@ class Builder(Acting):
             )
             try:
                 # While the part rises straight up, slowly at first.
-                await self._hands.proof()
+                await self._see_it_held(step)
                 lifted = await self._see_it_lift(move)
                 if lifted:
                     await self._call_the_next(move, job)
@@ -209,6 +214,22 @@ class Builder(Acting):
                 self._retries = 0
                 raise CellFault("pick_missed")
         return lifted
+
+    async def _see_it_held(self, step: Step | None) -> None:
+        """See that the latch stays confirmed, unless a person has said that it has the part.
+
+        Raises:
+            CellFault: ``gripper_fault`` or ``gripper_reset``: it does not, and a person has to look
+                where the part is; or of the arm.
+        """
+        if self._vouched:
+            return
+        try:
+            await self._hands.proof()
+        except CellFault as fault:
+            if fault.code in {"gripper_fault", "gripper_reset"}:
+                self.doubt_unconfirmed(step)
+            raise
 
     async def _descend(self, move: asyncio.Task[None], cell: Cell) -> None:
         """Wait for the end of the way to a cell, and stop where the part meets something."""

@@ -174,6 +174,7 @@ class Dismantler(Builder):
         if not hands.latched() and not self._vouched:
             self.doubt_unconfirmed(self._brought_by(job))
             raise CellFault("gripper_silent", "It has ceased to confirm the part on the way.")
+        await self._see_it_held(self._brought_by(job))
         async with self._act(ActKind.RETURN, job):
             if hands.is_at(hands.routes.pick_stance()):
                 return

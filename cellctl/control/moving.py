@@ -84,8 +84,8 @@ class ArmAndLatch:
         """The gripper has confirmed that it is open since it last closed."""
         self._closing = False
         """It was told to close at the end of the last movement."""
-        self._unproven = False
-        """It has just confirmed a latch, and may still revoke it."""
+        self._unproven = True
+        """A latch that it confirms was not watched for longer than a fault could look like it."""
         self._foreseen: _Foreseen | None = None
         """What comes next, ready at the controller."""
         self._ahead: _Foreseen | None = None
@@ -264,9 +264,16 @@ class ArmAndLatch:
         if move.done():
             await move
 
-    def may_be_closing(self) -> bool:
-        """Whether the latch may have been told to close since it was opened."""
-        return self.arm.state() is None or not self.is_told_open()
+    def may_be_closing(self, stance: Stance, unless_known: bool) -> bool:
+        """Whether the latch may have been told to close in a stance.
+
+        Args:
+            stance: where there is something to close on.
+            unless_known: what holds while the robot does not say where it is.
+        """
+        if self.arm.state() is None:
+            return unless_known
+        return self.is_at(stance) and not self.is_told_open()
 
     def near_station(self, *, carrying: bool) -> bool:
         """Whether a part that comes in could touch the gripper, or the part that it holds.
@@ -304,7 +311,7 @@ class ArmAndLatch:
         Raises:
             CellFault: of the gripper.
         """
-        self._unproven = self._closing = False
+        self._closing, self._unproven = False, True
         began_s = self._clock.now_s()
         await self._gripper.unlatch()
         self.waited_for_latch_s += self._clock.now_s() - began_s
@@ -320,21 +327,22 @@ class ArmAndLatch:
             CellFault: of the gripper.
         """
         begun, self._closing = self._closing and not self.is_told_open(), False
-        self._opened = self._unproven = False
+        self._opened, self._unproven = False, True
         began_s = self._clock.now_s()
         await self._gripper.latch(prove=prove, begun=begun)
         self._unproven = not prove
         self.waited_for_latch_s += self._clock.now_s() - began_s
 
     async def proof(self) -> None:
-        """Wait for the proof that was left out when the latch closed; at once where none was.
+        """Wait for the proof that was left out when the latch closed, or that was cut off; at once
+        where none was.
 
         Raises:
-            CellFault: ``gripper_fault`` or ``gripper_reset``.
+            CellFault: ``gripper_fault`` or ``gripper_reset``: it was revoked, and the arm stopped.
         """
-        unproven, self._unproven = self._unproven, False
-        if unproven:
+        if self._unproven:
             await self._gripper.proof()
+            self._unproven = False
 
     def is_told_open(self) -> bool:
         """Whether the command line tells the latch to be open."""

@@ -163,7 +163,7 @@ def settle(ledger: Ledger, unsettled: tuple[Act, ...], evidence: Evidence, part:
 
 def _holds_after(holding: bool, moves: tuple[Move, ...]) -> bool:
     taken = not {Move.PICK, Move.TAKE_OFF}.isdisjoint(moves)
-    return (holding or taken) and {Move.PLACE, Move.PUT_BACK}.isdisjoint(moves)
+    return (holding or taken) and {Move.PLACE, Move.PUT_BACK, Move.MISS}.isdisjoint(moves)
 
 
 def unconfirmed(part: str, told_open: bool) -> Doubt:
@@ -224,6 +224,13 @@ def _settle_act(
 
 
 def _settle_pick(ledger: Ledger, act: Act, evidence: Evidence, part: str) -> Settled | Doubt:
+    if evidence.latched and evidence.at_station and not evidence.part_at_station:
+        return Settled(
+            act_id=act.act_id,
+            outcome="failed",
+            detail="cut off; the latch closed where no part lay",
+            moves=(Move.PICK, Move.MISS),
+        )
     if evidence.latched and evidence.at_station:
         return Settled(
             act_id=act.act_id,

@@ -15,7 +15,7 @@ from cellctl.config import CellConfig
 from cellctl.errors import CellFault
 from tests.assembling.emulator import Emulator
 from tests.assembling.paths import away_from
-from tests.assembling.test_arm import connected, stance
+from tests.assembling.test_arm import connected, stance, until_moving
 
 pytestmark = pytest.mark.wire
 
@@ -202,6 +202,44 @@ def test_the_proof_may_be_left_for_later_and_is_not_forgotten(config: CellConfig
             with pytest.raises(CellFault, match="confirmed and then revoked") as caught:
                 await latch.proof()
             assert caught.value.code == "gripper_fault"
+
+    asyncio.run(scenario())
+
+
+def test_a_proof_that_begins_late_sees_a_toggling_status_all_the_same(config: CellConfig) -> None:
+    async def scenario() -> None:
+        async with gripper(config) as (latch, pins):
+            await latch.unlatch()
+            pins.behaviour = stalled
+            await latch.latch(prove=False)
+            await pins.heard()
+            await pins.shown(high=False)
+            await pins.shown(high=True)
+            with pytest.raises(CellFault, match="confirmed and then revoked"):
+                await latch.proof()
+
+    asyncio.run(scenario())
+
+
+def test_a_latch_that_is_revoked_stops_the_arm(config: CellConfig) -> None:
+    async def scenario() -> None:
+        with Emulator(config, "--clock-rate", "2") as emulator:
+            pins = Pins(emulator)
+            async with connected(emulator.config) as arm:
+                at_work = asyncio.create_task(pins.run())
+                latch = LatchGripper(arm, emulator.config)
+                await latch.unlatch()
+                await latch.latch(prove=False)
+                move = asyncio.create_task(arm.follow(away_from(stance(arm).tcp_pose), 3.0))
+                await until_moving(arm)
+                pins.behaviour = silent
+                with pytest.raises(CellFault, match="confirmed and then revoked"):
+                    await latch.proof()
+                (ended,) = await asyncio.gather(move, return_exceptions=True)
+                assert isinstance(ended, asyncio.CancelledError)
+                at_work.cancel()
+                with suppress(asyncio.CancelledError):
+                    await at_work
 
     asyncio.run(scenario())
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cellctl.messages import RecoverCommand
 from cellctl.sim.world_values import Imperfections, ViolationKind
 from cellctl.speaking.voices import speak_to_wav
-from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset_and_resume
+from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset, reset_and_resume
 from tests.cell.harness import RunningCell, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -68,6 +69,47 @@ def test_a_gripper_that_reports_a_fault(idle: RunningCell) -> None:
     idle.world.clear("gripper_fault")
     reset_and_resume(idle)
     finish_as_planned(idle)
+
+
+def slowly_to_the_station(cell: RunningCell) -> None:
+    """A build whose open gripper is on its way to its first part."""
+    cell.world.inject("speed_slider", fraction=0.1)
+    begin(cell)
+    cell.wait(
+        "an arm that moves to the station",
+        lambda now: now.state.state == "assembling_picking" and now.arm.moving,
+    )
+
+
+def test_a_latch_that_stalls_as_it_closes_carries_nothing(idle: RunningCell) -> None:
+    slowly_to_the_station(idle)
+    idle.world.inject("gripper_fault")
+    idle.world.inject("speed_slider", fraction=1.0)
+    expect_fault(idle, "gripper_fault")
+    assert (
+        "should be in the gripper, and the latch does not confirm" in idle.client.snapshot().doubt
+    )
+    idle.world.clear("gripper_fault")
+    reset(idle)
+    idle.client.request(RecoverCommand(part="station"))
+    idle.client.command("resume")
+    assert idle.finish().outcome == "built"
+    idle.assert_inventory_true()
+    # Once it is cleared, the latch closes where the arm has stopped.
+    held = idle.truth().violations[idle.held_before :]
+    assert {violation.kind for violation in held} <= {ViolationKind.PICKED_NOTHING}
+
+
+def test_a_part_that_is_taken_from_under_the_gripper_is_not_carried(idle: RunningCell) -> None:
+    slowly_to_the_station(idle)
+    idle.world.inject("part_missing")
+    idle.world.inject("replies_lost", count=2)  # the arm is there before the belt has answered
+    idle.world.inject("speed_slider", fraction=1.0)
+    assert idle.finish().outcome == "built"
+    assert len(idle.truth().built) == 2
+    idle.count()  # somebody has put it into the stock
+    held = idle.truth().violations[idle.held_before :]
+    assert {violation.kind for violation in held} <= {ViolationKind.PICKED_NOTHING}
 
 
 def test_a_protective_stop_in_mid_place(idle: RunningCell) -> None:

@@ -215,7 +215,8 @@ GRIP, TAKE_OFF, PUT_BACK = act(ActKind.GRIP), act(ActKind.TAKE_OFF), act(ActKind
         (HELD, PLACE, evidence(latched=True, risen=True), (), "cut off"),
         (EMPTY, act(ActKind.RETREAT), evidence(told_open=True, risen=True), (), "cut off"),
         # The latch was closing at the station.
-        (EMPTY, PICK, evidence(latched=True, at_station=True), (Move.PICK,), "confirmed"),
+        (EMPTY, PICK, evidence(latched=True, at_station=True), (Move.PICK, Move.MISS),
+         "where no part lay"),
         (EMPTY, PICK, evidence(latched=True, at_station=True, part_at_station=True), (Move.PICK,),
          "confirmed"),
         (EMPTY, PICK, evidence(told_open=True, at_station=True, part_at_station=True), (),

@@ -15,6 +15,7 @@ from cellctl.messages import Snapshot
 _TABLE: Final = """
 belt_empty        refill reset resume
 belt_jam          reset refill count resume
+gripper_fault     reset recover resume
 gripper_reset     reset recover resume
 contact_early     reset rise missing count resume cancel
 not_seated        reset missing resume
