@@ -223,7 +223,8 @@ class Dismantler(Builder):
             await self._leave_standing(cell, partial(self._travel, job=job))
 
     async def let_stand_by_hand(self, speed_fraction: float) -> bool:
-        """As ``let_stand``, by an operator's order; False where nothing is gripped.
+        """As ``let_stand``, by an operator's order; False where nothing is gripped, or the open
+        gripper was moved off the part already.
 
         Args:
             speed_fraction: share of the usual speed.
@@ -233,6 +234,10 @@ class Dismantler(Builder):
         """
         cell = self.ledger.gripped
         if cell is None or self.ledger.holding:
+            return False
+        if self._hands.is_told_open() and not self._hands.is_at(
+            self._hands.routes.place_stance(cell)
+        ):
             return False
 
         async def travel(plan: Callable[[Stance, frozenset[Cell]], Route]) -> None:

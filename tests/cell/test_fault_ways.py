@@ -264,6 +264,28 @@ def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) ->
     finish_as_planned(idle)
 
 
+def test_a_gripper_that_a_person_has_moved_off_its_part_counts_as_free(idle: RunningCell) -> None:
+    begin(idle)
+    idle.wait("one that stands", lambda now: len(now.standing) == 1)
+    idle.wait_mid_place()
+    idle.world.inject("part_sticks")
+    expect_fault(idle, "part_stuck")
+    reset(idle)
+    idle.client.command("cancel")
+    idle.wait("the end", lambda now: now.gripper.holding == "gripped")
+    idle.wait_state("paused_resting")
+    idle.world.clear("part_sticks")
+    x_m, y_m, z_m = idle.config.workspace.frame[:3]
+    idle.world.inject("arm_guided", x_m=x_m, y_m=y_m, z_m=z_m + 0.6)
+    idle.wait("rest", lambda now: not now.arm.moving)
+    assert idle.hand("open") == "The latch is open."
+    assert idle.client.snapshot().gripper.holding == "nothing"
+    assert len(idle.client.snapshot().standing) == len(idle.truth().built) == 2
+    idle.hand("home")
+    idle.client.command("resume")
+    idle.wait_state("idle")
+
+
 def test_a_part_that_sticks_stays_known_when_the_job_is_cancelled(idle: RunningCell) -> None:
     begin(idle)
     idle.wait("one that stands", lambda now: len(now.standing) == 1)
