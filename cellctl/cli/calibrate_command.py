@@ -12,7 +12,7 @@ import typer
 
 from cellctl.assembling.poses import Matrix, inverse, to_matrix
 from cellctl.assembly import Role
-from cellctl.cli.frames_walk import FramesWalk, Touch
+from cellctl.cli.frames_walk import MEASURED, FramesWalk, Touch
 from cellctl.cli.options import ConfigOption, KeyOption, client
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, find_config, load_config
@@ -40,7 +40,8 @@ def register(app: typer.Typer) -> None:
     def frames(config: ConfigOption = None, key: KeyOption = None, pin_m: PinOption = 0.1) -> None:
         """Measure tool, base, pedestal and feeder by touching known points.
 
-        Guide the arm by hand, on the pendant, or with `cellctl hand jog`; nothing moves by itself.
+        Pause the cell first. Guide the arm by hand, on the pendant, or with `cellctl hand jog`;
+        nothing moves by itself.
         Shows what would change in the configuration, and changes it only after a yes. The file as
         it was is kept beside it.
         """
@@ -48,9 +49,11 @@ def register(app: typer.Typer) -> None:
         path = find_config(config)
         settings = load_config(path)
         with client(config, Role.OPERATOR, key) as cell:
+            prepare(path, settings, cell)
             measured = FramesWalk(settings, Terminal(settings, cell), pin_m).run()
-            offer(path, measured.values, typer.confirm)
-            note = "frames measured: " + "; ".join(measured.report)
+            written = offer(path, measured.values, typer.confirm)
+            note = f"frames measured and {'written' if written else 'not written'}: "
+            note += "; ".join(measured.report)
             cell.request(CalibratedCommand(what="frames", note=note[:1000]))
 
 
@@ -91,6 +94,23 @@ class Terminal:
             raise RefusedError("The arm moves.", "Let it come to rest at the point.")
         x, y, z, rx, ry, rz = arm.tcp_pose
         return to_matrix((x, y, z, rx, ry, rz)) @ self._flange_from_tcp
+
+
+def prepare(path: Path, settings: CellConfig, cell: CellClient) -> None:
+    """See that nothing moves while somebody touches, and that what is found can be written.
+
+    Raises:
+        RefusedError: the arm might set out.
+        ConfigError: the file cannot be changed.
+    """
+    state = cell.snapshot().state.state
+    if state != "paused_resting" and not state.startswith("fault"):
+        raise RefusedError(
+            "The cell is not paused: the arm might set out while you are at it.",
+            "Say `cellctl pause` first.",
+        )
+    frames = {(table, "frame"): getattr(settings, table).frame for table in MEASURED}
+    rewritten(path.read_text(encoding="utf-8"), frames, str(path))
 
 
 def offer(path: Path, values: NewValues, agreed: Callable[[str], bool]) -> bool:

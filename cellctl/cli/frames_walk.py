@@ -23,6 +23,8 @@ WORST_M = 0.0015
 FARTHEST_M, FARTHEST_RAD = 0.15, math.radians(15.0)
 """A frame that is farther from the configured one is another thing than was meant."""
 TOOL_TOUCHES = 6
+MEASURED = ("tool", "base", "pedestal", "feeder")
+"""Tables of the configuration whose frame comes out."""
 
 
 class Touch(NamedTuple):

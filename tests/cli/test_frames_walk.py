@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from cellctl.assembling.poses import Matrix, distance, inverse, to_matrix
-from cellctl.cli.calibrate_command import Terminal, offer
+from cellctl.cli.calibrate_command import Terminal, offer, prepare
 from cellctl.cli.frames_walk import FramesWalk, Touch
 from cellctl.config import CellConfig, load_config
 from cellctl.config.rewriting import rewritten
-from cellctl.errors import ConfigError, UsageError
+from cellctl.errors import ConfigError, RefusedError, UsageError
 from cellctl.messages import CalibratedCommand
 from cellctl.sim.as_built import as_built
 from tests.cell.harness import CONFIG, RunningCell, running_cell
@@ -162,8 +162,11 @@ class Guiding(Terminal):
 @pytest.mark.wire
 def test_an_operator_measures_an_emulated_cell_and_it_is_written_down() -> None:
     with running_cell(speed=5.0, emulation=SHIFTS) as cell:
+        with pytest.raises(RefusedError, match="not paused"):
+            prepare(CONFIG, cell.config, cell.client)
         cell.client.command("pause")
         cell.wait_state("paused_resting")
+        prepare(CONFIG, cell.config, cell.client)
         measured = FramesWalk(cell.config, Guiding(cell), PIN_M).run()
         _, found = rewritten((REPOSITORY / CONFIG).read_text(), measured.values, "sim.toml")
         assert_close(found, as_built(cell.config))
