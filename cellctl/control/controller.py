@@ -228,6 +228,11 @@ class Controller:
     def _consume(self, item: Item) -> None:
         if item.stage is not None and item.stage != self._stage_number:
             return
+        given_up = item.reply is not None and item.reply.cancelled()
+        if given_up and item.event not in {Event.STOP, Event.PAUSE}:
+            # Whoever gave it was told that it is not done: a yes must not act after that.
+            log.warning("late event dropped", event_name=item.event)
+            return
         before = self.state
         reason = item.unless() if item.unless is not None else ""
         decision = Decision("refused", before, reason) if reason else self._machine.feed(item.event)
