@@ -192,7 +192,9 @@ class Controller:
             async with asyncio.timeout(timeout_s):
                 decision = await reply
         except TimeoutError:
-            raise RefusedError("The cell is too busy to answer.", "Try again.") from None
+            if reply.cancelled():
+                raise RefusedError("The cell is too busy to answer.", "Try again.") from None
+            decision = reply.result()  # it came at the last moment
         if decision.verdict == "refused":
             raise RefusedError(decision.reason)
         return decision
