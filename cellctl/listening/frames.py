@@ -21,11 +21,13 @@ _FOR_ME = (
 _MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
 _WHO = (
     r"(?:i|we|you|they|he|she|(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
-    r"mommy|daddy)"
+    r"mommy|daddy|mum|mom|dad|grandma|grandpa|granny|somebody|someone)"
 )
 _WANT = (
-    r"(?:would (?:really |just )?(?:like|love|prefer|want)|'d (?:really )?(?:like|love|prefer)|"
-    r"want|wants|wanted|need|needs|needed|wish for|could use|could do with|demand|demands|"
+    r"(?:would (?:really |just )?(?:like|love|prefer|want|enjoy)|"
+    r"'d (?:really )?(?:like|love|prefer|enjoy)|"
+    r"want|wants|wanted|need|needs|needed|wish for|"
+    r"could (?:really )?(?:use|do with)|demand|demands|"
     r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
 )
 _GET = r"(?:get|give|bring|fetch|hand|lend|show|grant)"
@@ -35,7 +37,9 @@ _POLITE = (
 )
 _NICE = "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing)"
 _LEADS = re.compile(
-    r"(?:(?:i think|i guess|i suppose|i reckon|i mean|you know what|you know|guess what|"
+    rf"(?:(?:you know what (?:would|could) be (?:really |so )?{_NICE}|let me think|not sure|"
+    r"right(?= (?:an?|the|so|let|i|we|can|could)\b)|"
+    r"i think|i guess|i suppose|i reckon|i mean|you know what|you know|guess what|"
     r"nothing (?:fancy|special)|do (?:me|us) a favou?r and|"
     r"how (?:hard|difficult) (?:would it be|is it)(?= to\b)|"
     r"now|then|and|so|but|next|first|also|today|"
@@ -82,6 +86,14 @@ _FRAMES = _frames(
     ("having", r"(?:i|we) wish (?:i|we) had"),
     ("making", rf"would you be (?:so )?(?:kind|good|nice)(?: enough)?(?: as)? to {_MAKES}"),
     ("having", r"(?:all|what) (?:i|we)(?: really)?(?: want| need| would like|'d like) is"),
+    ("having", r"what (?:i'm|i am|we're|we are)(?: really)? (?:after|looking for) is"),
+    ("having", r"(?:gimme|show (?:me|us) what you can do with)"),
+    ("having", r"(?:(?:can|could) you|you (?:can|could)) manage(?= an? )"),
+    (
+        "making",
+        rf"{_WHO} (?:am|are|is|was|were) (?:asking|wondering) (?:if|whether) you"
+        rf"(?:'d| would| could| can) {_MAKES}",
+    ),
     ("making", rf"{_POLITE} {_MAKES}"),
     ("making", rf"(?:you (?:could|can|should|must|may)|(?:could|can) we) {_MAKES}"),
     ("having", rf"{_POLITE} {_GET}(?: me| us)?"),
@@ -149,14 +161,17 @@ _ASIDE = re.compile(
     r"(?:ok|okay|alright|all right|possible|not too much)))$"
 )
 """What is said after a wish, and is no part of it."""
+_ONCE_MORE = re.compile(r"(?P<wish>(?:.+ )?(?:an?|two|three) .+?) an? (?:\w+ ){1,3}one")
+"""``a whale, a really huge one``."""
 _PICTURE = re.compile(
     r"(?:an?|the) (?:\w+ ){0,4}(?:photo|photograph|picture|image|render|rendering|drawing|sketch|"
     r"painting) of(?= )"
 )
 """Who knows generators of pictures asks for "a photo of a red chair"; the chair is wanted."""
 _LIKENESS = re.compile(
-    r"(?:something(?: \w+)?|whatever|anything|an? (?:\w+ )?(?:thing|object|shape|structure|model|"
-    r"one)) (?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
+    r"(?:something(?: to(?: \w+){1,4}?| \w+)?|whatever|anything|"
+    r"an? (?:\w+ )?(?:thing|object|shape|structure|model|one)) "
+    r"(?:that |which )?(?:is |looks? |shaped |kind of |a bit |just )*(?:like|similar to|"
     r"resembling|in the (?:shape|form) of)(?= (?:an?|the|my|some) )"
 )
 
@@ -164,7 +179,8 @@ _LIKENESS = re.compile(
 _POSSIBLE = re.compile(r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get) ")
 _LATER = re.compile(
     r"\b(?:(?:can|could|would|will) you (?:please )?(?:make|build|create|design|assemble) |"
-    r"(?:i|we)(?: really)?(?: want| need|'d like| would like) (?=(?:an?|some|two|three|another) )|"
+    r"(?:i|we)(?: really)?(?: want| need|'d like| would like| could (?:really )?(?:use|do with)) "
+    r"(?=(?:an?|some|two|three|another) )|"
     r"(?:so |then |and |please )?(?:make|build|create|assemble) (?:me |us )?(?=(?:an?|two|three) ))"
 )
 _GOVERNS = frozenset(
@@ -201,6 +217,8 @@ def find_frame(words: tuple[str, ...]) -> Frame:
         text = text[match.end() :]
     while match := _ASIDE.search(text):
         text = text[: match.start()]
+    if match := _ONCE_MORE.fullmatch(text):
+        text = match["wish"]
     kind: Kind = "bare"
     of_speaker = False
     for name, pattern in _FRAMES:
@@ -243,7 +261,11 @@ def is_question(words: tuple[str, ...]) -> bool:
 
 def is_told(words: tuple[str, ...]) -> bool:
     """Whether a sentence tells what somebody does or did: ``i broke the vase``."""
-    return _RETELLS.match(" ".join(words)) is not None
+    text = " ".join(words)
+    # "I think he broke it" tells; "I think a duck" does not.
+    while match := _LEADS.match(text):
+        text = text[match.end() :]
+    return _RETELLS.match(text) is not None
 
 
 def plain_words(words: tuple[str, ...]) -> list[str]:

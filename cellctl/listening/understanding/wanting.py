@@ -166,7 +166,10 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
         return "" if known and plural else f"{head!r} has no article"
     if commands(phrase.core) and (len(phrase.core) > 1 or phrase.rest):
         return "it is a command for something else"
-    if len(phrase.core) > 3 or any(_odd(word) for word in phrase.core[:-1]):
+    sizes = talk().small | talk().big
+    if len([word for word in phrase.core if word not in sizes]) > 3 or any(
+        _odd(word) for word in phrase.core[:-1]
+    ):
         return "its words make no noun phrase"
     if known or (judgement.kind in "afl" and judgement.confidence >= _SURE and entry is not None):
         return ""
