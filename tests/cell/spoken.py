@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from cellctl.listening.wav import read_wav
 from cellctl.messages import VoiceData
 from cellctl.sim.microphone import VirtualMicrophone
 from cellctl.speaking.voices import speak_to_wav
 from tests.cell.harness import RunningCell
+from tests.virtual_sound import virtual_sound
 
 WAKE_WORD = "hey_mycroft"
 """The packaged voice is understood by this one."""
@@ -59,19 +58,13 @@ def people(*, echo_db: float | None = None) -> Iterator[People]:
     Args:
         echo_db: how loud the microphone hears the loudspeaker; None for not at all.
     """
-    folder = Path(tempfile.mkdtemp(prefix="vmic-"))
-    server, voice = folder / "server", folder / "voice"
-    server.mkdir(mode=0o700)
-    voice.mkdir()
-    try:
-        with VirtualMicrophone(server) as microphone, pytest.MonkeyPatch.context() as patch:
-            if echo_db is not None:
-                microphone.loudspeaker.echo(echo_db)
-            for name, value in microphone.environment.items():
-                patch.setenv(name, value)
-            yield People(microphone, voice)
-    finally:
-        shutil.rmtree(folder)
+    with (
+        tempfile.TemporaryDirectory(prefix="voice-") as voice,
+        virtual_sound() as microphone,
+    ):
+        if echo_db is not None:
+            microphone.loudspeaker.echo(echo_db)
+        yield People(microphone, Path(voice))
 
 
 def hearing(activation: str, speed: float, *, loudspeaker: str = "none") -> dict[str, Any]:

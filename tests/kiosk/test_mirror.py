@@ -24,6 +24,8 @@ from cellctl.messages import (
 )
 from cellctl.notices import NOTICES
 
+PATIENCE_S = 5.0
+
 
 def snapshot(seq: int = 1, **changes: object) -> Snapshot:
     """A cell that is idle."""
@@ -61,12 +63,15 @@ def message(data: Value, seq: int = 2) -> StatusMessage:
     )
 
 
-def in_loop(work: Callable[[], None]) -> None:
-    """Run something that needs a running loop, and let it settle."""
+def in_loop(mirror: Mirror, work: Callable[[], None]) -> None:
+    """Run something that changes the mirror, and wait until all who watch it were told."""
 
     async def run() -> None:
+        told = asyncio.Event()
+        unwatch = mirror.watch(told.set)
         work()
-        await asyncio.sleep(0.05)
+        await asyncio.wait_for(told.wait(), PATIENCE_S)
+        unwatch()
 
     asyncio.run(run())
 
@@ -97,7 +102,7 @@ def test_a_lost_loudspeaker_is_known_at_once() -> None:
         mirror.take_snapshot(snapshot())
         mirror.take(message(VoiceData(state="lost", notice=NOTICES["loudspeaker_lost"])))
 
-    in_loop(hear)
+    in_loop(mirror, hear)
     assert mirror.snapshot is not None
     assert mirror.snapshot.voice.notice == NOTICES["loudspeaker_lost"]
 
@@ -119,7 +124,7 @@ def test_parts_come_and_go() -> None:
         mirror.take(part(StepKind.REMOVE))
         assert stands() == set()
 
-    in_loop(work)
+    in_loop(mirror, work)
 
 
 def test_what_is_shown_is_stale_after_a_silence() -> None:
@@ -133,7 +138,7 @@ def test_what_is_shown_is_stale_after_a_silence() -> None:
         now[0] += 5.0
         seen.append((mirror.stale, mirror.age_s))
 
-    in_loop(work)
+    in_loop(mirror, work)
     assert seen == [(True, float("inf")), (False, 0.0), (True, 5.0)]
 
 
@@ -152,9 +157,9 @@ def test_many_changes_are_told_once_and_one_page_cannot_keep_them_from_another()
         for text in "abc":
             mirror.take(message(LogData(level="warning", message=text)))
 
-    in_loop(work)
+    in_loop(mirror, work)
     assert told == ["told"]
     assert [data.message for _, data in mirror.logs] == ["a", "b", "c"]
     unwatch()
-    in_loop(work)
+    in_loop(mirror, work)
     assert told == ["told"]

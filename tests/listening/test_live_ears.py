@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-import shutil
 import signal
-import tempfile
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager
@@ -19,6 +17,7 @@ from cellctl.listening.ears.ears import Ears
 from cellctl.listening.ears.events import Condition, EarsEvent, Segment
 from cellctl.sim.microphone import VirtualMicrophone
 from cellctl.sound.portaudio import listed
+from tests.virtual_sound import virtual_sound
 
 pytestmark = pytest.mark.wire
 
@@ -28,15 +27,9 @@ SETTINGS = HearingSection(microphone="", activation="push_to_talk")
 
 
 @pytest.fixture
-def microphone(monkeypatch: pytest.MonkeyPatch) -> Iterator[VirtualMicrophone]:
-    folder = Path(tempfile.mkdtemp(prefix="vmic-"))
-    try:
-        with VirtualMicrophone(folder) as virtual:
-            for name, value in virtual.environment.items():
-                monkeypatch.setenv(name, value)
-            yield virtual
-    finally:
-        shutil.rmtree(folder)
+def microphone() -> Iterator[VirtualMicrophone]:
+    with virtual_sound() as virtual:
+        yield virtual
 
 
 class Listener:

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from cellctl.sim.microphone import VirtualMicrophone
+from tests.virtual_sound import virtual_sound
 
 
 @pytest.fixture
-def room(monkeypatch: pytest.MonkeyPatch) -> Iterator[VirtualMicrophone]:
+def room() -> Iterator[VirtualMicrophone]:
     """A sound server that this process and its children use."""
-    folder = Path(tempfile.mkdtemp(prefix="vspk-"))
-    try:
-        with VirtualMicrophone(folder) as virtual:
-            for name, value in virtual.environment.items():
-                monkeypatch.setenv(name, value)
-            yield virtual
-    finally:
-        shutil.rmtree(folder)
+    with virtual_sound() as virtual:
+        yield virtual
