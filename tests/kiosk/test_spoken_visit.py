@@ -139,6 +139,7 @@ def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
             assert page.elsewhere == []
 
 
+@pytest.mark.soak  # misheard now and then on a busy computer
 @pytest.mark.timeout(240)
 def test_a_visit_by_voice_alone() -> None:
     with spoken_visit("open") as visitor:
