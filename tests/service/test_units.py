@@ -182,6 +182,7 @@ def test_what_the_units_restrictions_leave_to_the_daemon(cell: Machine) -> None:
     assert found["mount"] == -1
     # Whether it is granted depends on the rights of the machine that this one runs on.
     assert cell.property_of("cellctl.service", "LimitNICE") == "30"  # 20 less the niceness
+    assert cell.property_of("cellctl.service", "LimitRTPRIO") == "5"
     assert found["child_process"] == 0
     assert found["callback"]
     assert found["libraries"] == dict.fromkeys(LIBRARIES, "yes")
