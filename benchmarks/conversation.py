@@ -124,7 +124,7 @@ def measure(cell: CellClient, microphone: VirtualMicrophone, wav: Path) -> dict[
     watch.until(follow)
     if "shown" not in spoken:
         return {}
-    cell.request(ConfirmCommand(answer=False))
+    cell.request(ConfirmCommand(answer=False, asked=""))
     watch.until(lambda data: isinstance(data, StateData) and data.state == "idle")
     watch.until(lambda data: isinstance(data, VoiceData) and not data.saying)
     return taken | spoken

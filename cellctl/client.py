@@ -277,8 +277,12 @@ class CellClient:
             raise CellctlError(f"{self._door} sent a damaged {kind}.")
         return reply.data, content
 
-    def say(self, text: str) -> ControlReply:
+    def say(self, text: str, asked: str | None = None) -> ControlReply:
         """Give the cell typed words.
+
+        Args:
+            text: what is said.
+            asked: name of the question that was seen to be open, for words that say yes.
 
         Raises:
             UsageError: there are none, or more than ``MAX_TEXT`` characters.
@@ -288,7 +292,7 @@ class CellClient:
                 f"The sentence has {len(text)} characters; from 1 to {MAX_TEXT} are taken.",
                 'Say what to build in one sentence, for example "a simple stool".',
             )
-        return self.request(SayCommand(text=text))
+        return self.request(SayCommand(text=text, asked=asked))
 
     def hear(self, name: str, wav: bytes) -> ControlReply:
         """Give the cell a wav file to listen to."""
@@ -298,9 +302,16 @@ class CellClient:
         """Give the cell a mesh or a plan to build."""
         return self.request(BuildCommand(name=name), content)
 
-    def confirm(self, answer: bool) -> ControlReply:
-        """Answer "Shall I build it?"."""
-        return self.request(ConfirmCommand(answer=answer))
+    def confirm(self, answer: bool, asked: str | None = None) -> ControlReply:
+        """Answer "Shall I build it?".
+
+        Args:
+            answer: yes or no.
+            asked: name of the question that is answered; of the one that is open now when left out.
+        """
+        if asked is None:
+            asked = self.snapshot().dialogue.asked
+        return self.request(ConfirmCommand(answer=answer, asked=asked))
 
     def command(self, name: str) -> ControlReply:
         """Give one of the commands without arguments: pause, resume, stop, cancel, ..."""

@@ -24,6 +24,7 @@ from cellctl.control.hand import HandMoves
 from cellctl.control.job import Job, Phase
 from cellctl.control.journal import Journal
 from cellctl.control.possible import possible
+from cellctl.control.recalled import recalled_job
 from cellctl.control.sentences import Sentences
 from cellctl.control.states import Event, top_of
 from cellctl.control.taking_apart import TakingApart
@@ -106,6 +107,7 @@ class Cell:
         )
         self.hand = HandMoves(builder, devices.hands, devices.belt, journal)
         self.job: Job | None = None
+        self._asks_hand_over = False
         self._checked = False
         """The robot and the belt were looked over since the last rest."""
         self._kept_files: JobFiles | None = None
@@ -234,6 +236,19 @@ class Cell:
             self.job.standing = self.builder.standing
         self.tell()
 
+    def asks_hand_over(self, asked: bool) -> None:
+        """The conversation asks whether somebody takes along what stands, or no longer does."""
+        if asked is not self._asks_hand_over:
+            self._asks_hand_over = asked
+            at = self.controller.state
+            changed = {"commands": self._possible(at), "state": at, "previous": at}
+            self.last_state = self.last_state.model_copy(update=changed)
+            self._publish(self.last_state, at)
+
+    def _possible(self, state: str) -> tuple[str, ...]:
+        apart = self.active_job is not None and self.active_job.takes_apart
+        return possible(state, asks_hand_over=self._asks_hand_over, takes_apart=apart)
+
     def tell(self) -> None:
         """Publish the state anew: something changed that the machine does not know of."""
         self._tell(self.last_state.event, self.last_state.previous, self.controller.state)
@@ -285,7 +300,7 @@ class Cell:
             event=event,
             pausing=job is not None and job.pausing,
             cancelling=job is not None and job.cancelling,
-            commands=possible(after),
+            commands=self._possible(after),
             sentence=self.line.text,
         )
         self._publish(self.last_state, after)
@@ -348,23 +363,11 @@ class Cell:
             post(Event.RECALLED, recalled)
 
     def _recall(self) -> Job | None:
-        """The job that an earlier daemon did not finish; one of which nothing is known but that
-        somebody spoke is closed."""
-        if self.active_job is not None:
-            return self.active_job
-        kept = self._journal.open_job()
-        if kept is None:
-            return None
-        job = Job.recalled(*kept, standing=self.builder.standing)
-        if job.phase is Phase.HEARING and job.utterance is None:
-            job.outcome, job.message = "failed", self.sentences.wording.text("done.interrupted")
-            job.finished_at = self._clock.wall_time()
-            self._journal.keep_job(job.record())
-            return None
-        if job.phase is Phase.HEARING:
-            job.phase = Phase.INTERPRETING
-        log.info("job recalled", job=job.job_id, phase=job.phase, placed=job.placed)
-        return job
+        """The job to go on with: this daemon's own, or one that an earlier one did not finish."""
+        interrupted = self.sentences.wording.text("done.interrupted")
+        return self.active_job or recalled_job(
+            self._journal, self._clock, self.builder.standing, interrupted
+        )
 
     async def _brake(self, post: Post) -> None:
         await self._devices.halt()

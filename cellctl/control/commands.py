@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cellctl.assembly import Role
 from cellctl.control.books import Books
 from cellctl.control.cell import Cell
@@ -76,15 +78,19 @@ class Commands:
                 return self._wording.text("reply.nothing_moves")
         return self._wording.text(f"reply.{word}")
 
-    async def answer(self, yes: bool) -> str:
+    async def answer(self, yes: bool, unless: Callable[[], str] | None = None) -> str:
         """A yes or a no to what the machine asks.
+
+        Args:
+            yes: which of them.
+            unless: asked at the moment of the decision; a reason refuses it.
 
         Raises:
             RefusedError: it asks nothing.
         """
         job = self._cell.active_job
         agreed = job.confirm_event() if job is not None else Event.CONFIRM
-        await self._cell.controller.command(agreed if yes else Event.DECLINE)
+        await self._cell.controller.command(agreed if yes else Event.DECLINE, unless=unless)
         return self._wording.text("reply.yes" if yes else "reply.no")
 
     async def _resume(self) -> None:

@@ -130,6 +130,9 @@ class Daemon:
             speaker=self.voice,
             publish=lambda data: self.bus.publish(data, self._state()),
         )
+        self.voice.heeded_by.append(
+            lambda event, text: self.dialogue.questions.voiced(text, event.at_s)
+        )
         commands = Commands(self.cell, Books(self.cell))
         self.conversation = Conversation(
             self.cell,
@@ -328,7 +331,7 @@ class Daemon:
                 ("arm monitor", monitor.run()),
                 ("belt watch", self.devices.belt.watch(lambda: self.cell.started)),
                 ("gripper watch", self.devices.gripper_board.run()),
-                ("live ears", self.ears.run(self.conversation.take)),
+                ("live ears", self.ears.run(self.conversation.hear)),
                 ("conversation", self.conversation.run()),
                 ("voice", self.voice.run()),
                 ("warm-up", self._warm_up()),

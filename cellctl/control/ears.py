@@ -14,7 +14,7 @@ from collections.abc import Awaitable, Callable
 
 import structlog
 
-from cellctl.assembly import Role, Utterance
+from cellctl.assembly import Utterance
 from cellctl.config import HearingSection
 from cellctl.control.drafts import Drafts
 from cellctl.control.states import TRANSITIONS, Event
@@ -33,8 +33,9 @@ from cellctl.speaking.events import Began, Ended
 
 log = structlog.get_logger(__name__)
 
-Take = Callable[[Utterance, Role], Awaitable[str]]
-"""Does what somebody said; raises CellctlError with the reason why not."""
+Take = Callable[[Utterance, float], Awaitable[str]]
+"""Does what somebody said, who began to at that moment (monotonic); raises CellctlError with the
+reason why not."""
 
 _WAITING_LIMIT = 4
 """Utterances that may wait for the recogniser; the oldest is dropped."""
@@ -83,7 +84,7 @@ class LiveEars:
         self._state = state
         self._publish = publish
         self._voice = voice
-        voice.heed = self._heed
+        voice.heeded_by.append(self._heed)
         self._own = OwnWords()
         self._drafts = Drafts(hearing.hear_samples)
         self._asks = asks
@@ -263,7 +264,7 @@ class LiveEars:
         log.info("heard", after=segment.after or "nothing", delay_s=delay_s)
         self._voice.hush()
         self._publish(SpeechData(utterance=utterance))
-        await take(utterance, Role.VISITOR)
+        await take(utterance, segment.speech_end_s - segment.speech_s)
 
     def _counts(self, word: str) -> bool:
         """Whether a word counts that was said without the wake word or the button."""

@@ -33,8 +33,15 @@ _ALREADY: Final = frozenset({"paused_braking", "paused_resting"})
 
 
 @cache
-def possible(state: str) -> tuple[str, ...]:
+def possible(
+    state: str, *, asks_hand_over: bool = False, takes_apart: bool = False
+) -> tuple[str, ...]:
     """The commands that can lead on from a state, sorted; ``stop`` always can.
+
+    Args:
+        state: the machine's.
+        asks_hand_over: the conversation asks at rest whether somebody takes along what stands.
+        takes_apart: the job under way takes apart what stands, of which there is one way only.
 
     What else must be so is known only when one is given: a part that is missing, a place that is
     empty. The reply says it then.
@@ -45,6 +52,10 @@ def possible(state: str) -> tuple[str, ...]:
         found.add("say")
     if state in _ALREADY:
         found.discard("pause")
+    if asks_hand_over and state == "idle":
+        found |= {"confirm", "cancel"}
+    if takes_apart:
+        found.discard("another")
     if top_of(state) in {"idle", "fault"} or state == "paused_resting":
         found.add("gripper")
     return tuple(sorted(found))

@@ -160,7 +160,7 @@ class RequestDesk:
         match body:
             case SayCommand():
                 said = Utterance(text=body.text, source="text")
-                return await self._conversation.take(said, role, owner)
+                return await self._conversation.take(said, role, owner, answers=body.asked)
             case ListenCommand():
                 return self._listen(role, owner)
             case MuteCommand():
@@ -175,7 +175,7 @@ class RequestDesk:
                 return f"Planning {body.name}."
             case ConfirmCommand():
                 answer = Input.YES if body.answer else Input.NO
-                return await self._conversation.press(answer, role, owner)
+                return await self._conversation.press(answer, role, owner, answers=body.asked)
             case DropWishCommand():
                 return self._conversation.drop(body.ticket)
             case PlainCommand():
@@ -244,20 +244,22 @@ class RequestDesk:
             raise RefusedError("Too many recordings wait to be heard.", "Try again in a moment.")
         with audio_file(wav) as path:
             samples = await asyncio.to_thread(read_wav, path, OVERHEARD_S)
+        who, answers = (role, owner), self._conversation.asked
         task = asyncio.create_task(
-            self._overhear(name, samples.tobytes(), role, owner), name="overhear"
+            self._overhear(name, samples.tobytes(), who, answers), name="overhear"
         )
         self._overhearing.add(task)
         task.add_done_callback(self._overhearing.discard)
         return "I am busy; I listen for stop and the like only."
 
-    async def _overhear(self, name: str, pcm: bytes, role: Role, owner: str) -> None:
-        """While a job is under way only the words of command count."""
+    async def _overhear(self, name: str, pcm: bytes, who: tuple[Role, str], answers: str) -> None:
+        """While a job is under way only the words of command count; a yes is for what was asked
+        when the recording came."""
         try:
             utterance = await self._hearing.hear_samples(pcm)
             self._publish(SpeechData(utterance=utterance), self._cell.controller.state)
             if self._conversation.phrasebook.read(utterance.text).said is not Input.SENTENCE:
-                await self._conversation.take(utterance, role, owner)
+                await self._conversation.take(utterance, *who, answers=answers)
         except CellctlError as error:
             log.info("heard while busy", name=name, reason=str(error))
         except Exception:

@@ -36,8 +36,8 @@ class LiveVoice:
         publish: Callable[[StatusData], None],
     ) -> None:
         self._publish = publish
-        self.heed: Callable[[Began | Ended, str], None] = _nobody
-        """Gets whatever is heard of the cell's own voice, with its text; set by whoever listens."""
+        self.heeded_by: list[Callable[[Began | Ended, str], None]] = []
+        """Those who get whatever is heard of the cell's own voice, with its text."""
         self._chimes = config.voice.chimes
         self._mouth: Mouth | None = None
         if config.voice.loudspeaker != "none":
@@ -50,6 +50,11 @@ class LiveVoice:
     def speaking(self) -> bool:
         """See ``Speaker``."""
         return self._mouth is not None and self._mouth.speaking
+
+    @property
+    def aloud(self) -> bool:
+        """See ``Speaker``."""
+        return self.data.state in {"quiet", "speaking"}
 
     def say(self, line: Line) -> None:
         """See ``Speaker``."""
@@ -82,7 +87,8 @@ class LiveVoice:
         if isinstance(event, Condition):
             self._changed(event)
             return
-        self.heed(event, text)
+        for heed in self.heeded_by:
+            heed(event, text)
         self.data = self.data.model_copy(
             update={"saying": text if isinstance(event, Began) else ""}
         )
@@ -111,7 +117,3 @@ def fixed_phrases(wording: Wording) -> list[str]:
         for key, forms in wording.messages.items()
         if not key.startswith(_NEVER_SAID) and not fields_of(forms)
     ]
-
-
-def _nobody(event: Began | Ended, text: str) -> None:
-    """Without ears there is no need to know one's own voice."""

@@ -65,6 +65,15 @@ def attribute(element: Element, name: str, value: str) -> None:
         element.update()
 
 
+def asked_of(element: Element, name: str) -> None:
+    """Let whatever is pressed or typed inside of an element carry the name of the question that its
+    browser showed then, which may be older than what is known here."""
+    attribute(element, "data-asked", name)
+
+
+_ASKED = "event.currentTarget.closest('[data-asked]')?.dataset.asked ?? ''"
+
+
 def icon(name: str) -> Element:
     """A picture of ``look/icons.svg``; words beside it say what it means."""
     with box("svg", "icon", aria_hidden="true", viewBox="0 0 24 24") as drawing:
@@ -98,11 +107,13 @@ class Button(Element):
         self._action = action
         self._enabled = True
         self._busy = False
+        self.asked = ""
+        """Name of the question that stood around it when it was pressed: see ``asked_of``."""
         with self:
             if picture:
                 icon(picture)
             self.label = Text("span", label)
-        self.on("click", self._pressed)
+        self.on("click", self._pressed, js_handler=f"(event) => emit({_ASKED})")
 
     def enable(self, possible: bool) -> None:
         """Let it be pressed, or not."""
@@ -111,10 +122,10 @@ class Button(Element):
             self.props["disabled"] = not possible
             self.update()
 
-    async def _pressed(self) -> None:
+    async def _pressed(self, event: Any) -> None:
         if self._busy or not self._enabled:
             return
-        self._busy = True
+        self._busy, self.asked = True, str(event.args)
         try:
             await attempt(self, self._action)
         finally:
@@ -160,12 +171,12 @@ class Entry(Element):
     Args:
         label: what is to be typed, for people and screen readers.
         button: words of the button.
-        send: gets what was typed.
+        send: gets what was typed, and the name of the question that stood around it then.
         longest: most characters.
     """
 
     def __init__(
-        self, label: str, button: str, send: Callable[[str], Awaitable[None]], longest: int
+        self, label: str, button: str, send: Callable[[str, str], Awaitable[None]], longest: int
     ) -> None:
         super().__init__("form")
         self.classes("entry")
@@ -193,7 +204,7 @@ class Entry(Element):
             "submit.prevent",
             self._submitted,
             js_handler="(event) => { const field = event.target.elements.text;"
-            " emit(field.value); field.value = ''; }",
+            f" emit([field.value, {_ASKED}]); field.value = ''; }}",
         )
 
     def invite(self, label: str) -> None:
@@ -201,12 +212,13 @@ class Entry(Element):
         attribute(self._input, "placeholder", label)
 
     async def _submitted(self, event: Any) -> None:
-        text = str(event.args).strip()[: self._longest]
+        typed, asked = map(str, event.args)
+        text = typed.strip()[: self._longest]
         if not text or self._waiting >= _WAITING_MOST:
             return
         self._waiting += 1
         try:
             async with self._sending:
-                await attempt(self, lambda: self._send(text))
+                await attempt(self, lambda: self._send(text, asked))
         finally:
             self._waiting -= 1

@@ -49,6 +49,9 @@ class SayCommand(Value):
 
     command: Literal["say"] = "say"
     text: Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
+    asked: Annotated[str, Field(max_length=64)] | None = None
+    """Name of the question that was open where it was typed, as ``dialogue`` tells it, for words
+    that say yes; None: of whichever is open when they arrive."""
 
 
 class HearCommand(Value):
@@ -70,6 +73,9 @@ class ConfirmCommand(Value):
 
     command: Literal["confirm"] = "confirm"
     answer: bool
+    asked: Annotated[str, Field(max_length=64)]
+    """Name of the question that is answered, as ``dialogue`` tells it: a yes that was meant for
+    another one is refused. A no counts for any."""
 
 
 class PlainCommand(Value):

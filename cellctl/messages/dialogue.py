@@ -51,6 +51,9 @@ class DialogueData(Value):
 
     phase: DialoguePhase
     question: Question = ""
+    asked: str = ""
+    """Name of the question that is open, for the answer to it: no two questions ever have the same;
+    empty while nothing is asked."""
     heard: str = ""
     """The last sentence that was heard or typed; empty once it is of no interest any more."""
     understood: str = ""

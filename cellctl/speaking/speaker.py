@@ -23,11 +23,17 @@ class Speaker(Protocol):
         """Whether something is being said now."""
         ...
 
+    @property
+    def aloud(self) -> bool:
+        """Whether a line will be heard; else it is only read."""
+        ...
+
 
 class SilentSpeaker:
     """Says nothing: for a cell without a voice."""
 
     speaking = False
+    aloud = False
 
     def say(self, line: Line) -> None:
         """Leave the line to the screen."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 
 from cellctl.errors import RefusedError
-from cellctl.messages import DialogueData, DropWishCommand, visitor_mark
+from cellctl.messages import ControlReply, DialogueData, DropWishCommand, visitor_mark
 from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
@@ -88,6 +88,35 @@ def test_a_wish_is_understood_read_back_changed_and_only_built_after_a_yes(
     assert idle.finish().outcome == "declined"
     assert idle.truth().built == ()
     assert "A table with four legs." in lines(idle)
+
+
+def test_a_yes_counts_for_the_question_that_was_shown_and_for_no_later_one(
+    idle: RunningCell,
+) -> None:
+    said(idle, "the letter T")
+    idle.wait_state("validating_confirming")
+    before = dialogue(idle).asked
+    said(idle, "the letter L")
+    idle.wait("the other question", lambda now: now.dialogue.asked not in {"", before})
+    late: tuple[Callable[[], ControlReply], ...] = (
+        lambda: idle.visitor.confirm(True, asked=before),
+        lambda: idle.client.confirm(True, asked=before),
+        lambda: idle.visitor.say("yes", asked=before),
+        lambda: idle.visitor.say("yes", asked=""),
+    )
+    for answer in late:
+        with pytest.raises(RefusedError, match=r"Now I ask: Letter L, .* Shall I build it"):
+            answer()
+    assert idle.client.snapshot().state.state == "validating_confirming"
+    idle.visitor.say("yes please", asked=dialogue(idle).asked)
+    assert idle.finish().outcome == "built"
+    assert dialogue(idle).asked == ""
+    said(idle, "thank you, it is mine")
+    assert {"confirm", "cancel"} <= set(idle.client.snapshot().state.commands)
+    with pytest.raises(RefusedError, match="Now I ask: You take along"):
+        idle.visitor.confirm(True, asked=before)
+    idle.visitor.confirm(False)
+    assert "confirm" not in idle.client.snapshot().state.commands
 
 
 def test_what_is_not_understood_is_helped_differently_each_time(idle: RunningCell) -> None:

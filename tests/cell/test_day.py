@@ -12,7 +12,7 @@ import random
 import signal
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,16 +21,20 @@ import pytest
 
 from cellctl.cli.daemon_process import wait_idle
 from cellctl.errors import CellctlError, RefusedError
+from cellctl.messages import Snapshot
 from cellctl.sim.isolation import isolated
 from cellctl.sim.spawn import emulated_cell
 from tests.cell.harness import RunningCell, cell_config, watched_daemon
 
 pytestmark = [pytest.mark.wire, pytest.mark.soak]
 
-VISITS = 500
-SPEED = 20.0
-LIFE = 25
-"""After so many visits the daemon is killed, wherever it is."""
+SPEED = 12.0
+PATIENCE_S = 600.0
+"""How long anything may take (wall time): a busy machine stops the emulated arm now and then."""
+LIVES = (25, 25, 50, 100, 300)
+"""After so many visits each the daemon is killed, wherever it is: 500 on the whole day."""
+SETTLED = 20
+"""After so many visits of a life everything that is loaded once is loaded."""
 WISHES = ("a cube 10 cm wide", "a tower 20 cm high", "a wall 20 cm wide and 10 cm high")
 """Small things: a day is long."""
 OTHERS = ("a table", "the letter L", "a chair with three legs")
@@ -43,18 +47,32 @@ QUESTIONS = (
 
 
 @dataclass
+class Told:
+    """What came of a day."""
+
+    visits: Counter[str] = field(default_factory=Counter)
+    """How many of each kind."""
+    outcomes: Counter[str] = field(default_factory=Counter)
+    """How the last job of each visit ended."""
+    faults: Counter[str] = field(default_factory=Counter)
+    """Those that ended visits, by code."""
+    resident_mb: list[list[float]] = field(default_factory=list)
+    """Memory of the daemon after each visit, life by life."""
+
+
+@dataclass
 class Day:
     """The visits of one day.
 
     Args:
         cell: what they visit.
         dice: decides what they do.
+        told: what comes of it.
     """
 
     cell: RunningCell
     dice: random.Random
-    visits: Counter[str] = field(default_factory=Counter)
-    outcomes: Counter[str] = field(default_factory=Counter)
+    told: Told
 
     def visit(self) -> None:
         """One visitor, from a cell that listens to a cell that listens."""
@@ -71,8 +89,11 @@ class Day:
             self.loses_a_process: 1,
         }
         kind = self.dice.choices(list(kinds), list(kinds.values()))[0]
-        self.visits[kind.__name__] += 1
-        kind()
+        self.told.visits[kind.__name__] += 1
+        try:
+            kind()
+        except _FaultError as fault:
+            self.told.faults[str(fault)] += 1
         self.settle()
 
     def say(self, text: str, visitor: str = "") -> str:
@@ -85,11 +106,30 @@ class Day:
         finally:
             self.cell.visitor.visitor = ""
 
+    def wait(self, what: str, holds: Callable[[Snapshot], bool]) -> Snapshot:
+        """Wait until it is so.
+
+        Raises:
+            _FaultError: the cell is in a fault instead, which ends the visit.
+        """
+        snapshot = self.cell.wait(what, lambda now: holds(now) or now.fault.entry is not None)
+        if snapshot.fault.entry is not None:
+            raise _FaultError(snapshot.fault.entry.code)
+        return snapshot
+
+    def wait_state(self, *states: str) -> str:
+        """Wait until the machine is in one of these; see ``wait``."""
+        return self.wait(f"state {states}", lambda now: now.state.state in states).state.state
+
+    def wait_built(self) -> None:
+        """Wait until the job has ended; see ``wait``."""
+        self.wait("the end of the job", lambda now: bool(now.job and now.job.outcome))
+        self.wait_state("idle")
+
     def wish(self, wishes: tuple[str, ...] = WISHES) -> bool:
         """Say a wish, and whether it is asked about."""
         self.say(self.dice.choice(wishes))
-        state = self.cell.wait_state("validating_confirming", "idle").state.state
-        return state == "validating_confirming"
+        return self.wait_state("validating_confirming", "idle") == "validating_confirming"
 
     def builds(self) -> None:
         """Says yes, and takes it along or has it taken apart."""
@@ -98,7 +138,7 @@ class Day:
         self.say("yes")
         if self.dice.random() < 0.3:
             self.say(self.dice.choice(QUESTIONS))
-        self.cell.finish()
+        self.wait_built()
 
     def declines(self) -> None:
         if self.wish(WISHES + OTHERS):
@@ -106,20 +146,20 @@ class Day:
 
     def falls_silent(self) -> None:
         if self.wish(WISHES + OTHERS):
-            self.cell.wait("silence", lambda now: now.state.state == "idle")
+            self.wait("silence", lambda now: now.state.state == "idle")
 
     def changes_mind(self) -> None:
         for _ in range(self.dice.randint(1, 3)):
             if self.cell.client.snapshot().state.state == "idle" and not self.wish():
                 return
             self.say(self.dice.choice(CHANGES))
-            self.cell.wait_state("validating_confirming", "idle")
+            self.wait_state("validating_confirming", "idle")
         self.say("never mind")
 
     def makes_no_sense(self) -> None:
         for _ in range(self.dice.randint(1, 3)):
             self.say(self.dice.choice(NONSENSE))
-            self.cell.wait_state("idle", "validating_confirming")
+            self.wait_state("idle", "validating_confirming")
 
     def asks(self) -> None:
         for _ in range(self.dice.randint(1, 5)):
@@ -129,7 +169,7 @@ class Day:
         """At any time: while it is understood, planned, asked or built."""
         self.say(self.dice.choice(WISHES))
         if self.dice.random() < 0.5:
-            self.cell.wait_state("validating_confirming", "idle")
+            self.wait_state("validating_confirming", "idle")
             self.say("yes")
         self.say("cancel")
 
@@ -138,11 +178,11 @@ class Day:
         if not self.wish():
             return
         self.say("yes")
-        self.cell.wait_state("assembling_placing", "assembling_picking", "idle")
+        self.wait_state("assembling_placing", "assembling_picking", "idle")
         self.say("stop")
-        if self.cell.wait_state("paused_resting", "idle").state.state == "paused_resting":
+        if self.wait_state("paused_resting", "idle") == "paused_resting":
             self.cell.client.command("resume")
-        self.cell.finish()
+        self.wait_built()
 
     def is_joined(self) -> None:
         """Somebody else says a wish meanwhile, and nobody answers when its turn comes."""
@@ -178,18 +218,25 @@ class Day:
 
         snapshot = cell.wait("a cell that listens", rests)
         if snapshot.job is not None:
-            self.outcomes[snapshot.job.outcome] += 1
-        if snapshot.standing:
-            if self.dice.random() < 0.7:
-                self.say("thank you, it is mine")
-                cell.world.hand_over()
-                self.say("yes")
-            else:
-                self.say("take it apart")
-                cell.wait_state("validating_confirming")
-                self.say("yes")
-                cell.finish()
+            self.told.outcomes[snapshot.job.outcome] += 1
+        while snapshot.standing:
+            with contextlib.suppress(_FaultError):
+                self.takes_along() if self.dice.random() < 0.7 else self.has_it_taken_apart()
+            snapshot = cell.wait("a cell that listens", rests)
         self.check()
+
+    def takes_along(self) -> None:
+        """Somebody takes what stands, and says so."""
+        self.say("thank you, it is mine")
+        if self.cell.client.snapshot().dialogue.question == "hand_over":
+            self.cell.world.hand_over()
+            self.say("yes")
+
+    def has_it_taken_apart(self) -> None:
+        self.say("take it apart")
+        self.wait_state("validating_confirming")
+        self.say("yes")
+        self.wait_built()
 
     def check(self) -> None:
         """It listens, nothing is lost, and what the cell believes is the truth."""
@@ -205,11 +252,11 @@ class Day:
             cell.clear_workspace()
 
 
-def day(visits: int, seed: int = 1) -> dict[str, object]:
-    """A day; returns what came of it.
+def day(lives: Sequence[int] = LIVES, seed: int = 1) -> Told:
+    """A day of visitors.
 
     Args:
-        visits: how many.
+        lives: how many visits each daemon lives to see.
         seed: of all that the visitors do.
     """
     config = cell_config(
@@ -217,40 +264,34 @@ def day(visits: int, seed: int = 1) -> dict[str, object]:
         dialogue={"take_along_s": 1.0},
     )
     dice = random.Random(seed)  # noqa: S311 - no secrets
-    done, lives = 0, 0
-    counted: Counter[str] = Counter()
-    ended: Counter[str] = Counter()
-    resident_mb: list[float] = []
+    told = Told()
     with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
         own = isolated(config, Path(name), SPEED)
         with emulated_cell(own, SPEED) as world:
-            while done < visits:
-                lives += 1
+            for number, visits in enumerate(lives):
+                told.resident_mb.append([])
                 with (
                     contextlib.suppress(_KilledError),
-                    watched_daemon(own, Path(name), world) as cell,
+                    watched_daemon(own, Path(name), world, PATIENCE_S) as cell,
                 ):
-                    today = Day(cell, dice, counted, ended)
-                    if lives == 1:
+                    today = Day(cell, dice, told)
+                    if number == 0:
                         wait_idle(cell.client, cell.daemon)
                     today.settle()
-                    for _ in range(min(LIFE, visits - done)):
+                    process = psutil.Process(cell.daemon.process.pid)
+                    for _ in range(visits):
                         today.visit()
-                        done += 1
-                        process = psutil.Process(cell.daemon.process.pid)
-                        resident_mb.append(process.memory_info().rss / 1e6)
-                    if done < visits:
+                        told.resident_mb[-1].append(process.memory_info().rss / 1e6)
+                    if number + 1 < len(lives):
                         today.say(dice.choice(WISHES))  # and in the middle of that it dies
                         cell.daemon.process.kill()
                         cell.daemon.process.wait()
                         raise _KilledError
-    return {
-        "visits": done,
-        "lives": lives,
-        "kinds": dict(counted),
-        "outcomes": dict(ended),
-        "resident_mb": resident_mb,
-    }
+    return told
+
+
+class _FaultError(Exception):
+    """The cell is in a fault; its code."""
 
 
 class _KilledError(Exception):
@@ -259,9 +300,10 @@ class _KilledError(Exception):
 
 @pytest.mark.timeout(7200)
 def test_a_day_of_visitors() -> None:
-    told = day(VISITS)
-    resident_mb = told.pop("resident_mb")
-    assert isinstance(resident_mb, list)
-    print(told, f"resident {resident_mb[4]:.0f} -> {resident_mb[LIFE - 1]:.0f} MB in a life")  # noqa: T201
-    for life in range(0, len(resident_mb) - LIFE, LIFE):
-        assert resident_mb[life + LIFE - 1] < resident_mb[life + 4] + 20.0
+    told = day()
+    curves = [
+        f"{life[min(SETTLED, len(life) - 1)]:.0f}-{life[-1]:.0f}" for life in told.resident_mb
+    ]
+    print(told.visits, told.outcomes, told.faults, f"resident: {curves} MB")  # noqa: T201
+    for life in told.resident_mb:
+        assert life[-1] < life[SETTLED] + 20.0

@@ -8,6 +8,7 @@ from datetime import datetime, timedelta
 from cellctl.clock import Clock
 from cellctl.control.cell import Cell
 from cellctl.control.dialogue.naming import Naming
+from cellctl.control.dialogue.questions import Questions
 from cellctl.control.dialogue.scene import Scene
 from cellctl.messages import (
     DialogueData,
@@ -55,6 +56,10 @@ class DialogueBoard:
         self._speaker = speaker
         self._publish = publish
         self._number = 0
+        self.questions = Questions()
+        """Those asked lately, by name."""
+        self.asked = ""
+        """Words of the newest."""
         self.data = self._told = DialogueData(phase="starting")
         """What the bus shows."""
 
@@ -89,7 +94,9 @@ class DialogueBoard:
         if job is not None:
             self._change(owner=job.owner, owner_name=job.owner_name)
         if scene.phase != "asking":
+            self.questions.close()
             self._change(deadline=None)
+        self._change(asked=self.questions.open)
         if self.data != self._told:
             self._told = self.data
             self._publish(self.data)
@@ -115,10 +122,13 @@ class DialogueBoard:
         self._speaker.hush()
         self.refresh()
 
-    def ask_hand_over(self, deadline: datetime | None) -> None:
+    def ask_hand_over(self, deadline: datetime | None, line: Line | None = None) -> None:
         """It is asked whether somebody takes along what stands; None: no longer."""
         self._hand_over = deadline is not None
+        if line is not None:
+            self._ask(line)
         self._change(deadline=deadline)
+        self._cell.asks_hand_over(self._hand_over)
         self.refresh()
 
     def _heard(self, data: SpeechData) -> None:
@@ -139,8 +149,14 @@ class DialogueBoard:
             config = self._cell.config
             open_s = config.policy.confirmation_timeout_s / config.cell.clock_rate
             self._change(deadline=self._clock.wall_time() + timedelta(seconds=open_s))
+            self._ask(line)
         if line.key.startswith(_SAID):
             self.say(line)
+
+    def _ask(self, line: Line) -> None:
+        """A question is open from now on."""
+        self.asked = line.text
+        self.questions.ask(line.text, aloud=self._speaker.aloud)
 
     def _change(self, **changes: object) -> None:
         self.data = self.data.model_copy(update=changes)

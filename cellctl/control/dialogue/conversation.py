@@ -13,6 +13,7 @@ from cellctl.assembly import Intent, Request, Role, Utterance
 from cellctl.clock import Clock
 from cellctl.control.cell import Cell
 from cellctl.control.commands import Commands
+from cellctl.control.dialogue.answering import Answering
 from cellctl.control.dialogue.answers import Answers
 from cellctl.control.dialogue.board import DialogueBoard
 from cellctl.control.dialogue.explaining import Explainer
@@ -74,6 +75,7 @@ class Conversation:
         self._place = Place.STARTING
         self._deadline_s = 0.0
         cell.wishes.explain = self.explain
+        answering = Answering(cell, board, commands=commands, turns=turns)
         self._acts: dict[Act, Callable[[Said], Awaitable[Line]]] = {
             Act.UNDERSTAND: self._understand,
             Act.BEGIN: self._begin,
@@ -82,11 +84,11 @@ class Conversation:
             Act.QUEUE_AGAIN: self._queue_again,
             Act.CHANGE: self._change,
             Act.ANOTHER: self._another,
-            Act.CONFIRM: self._confirm,
-            Act.DECLINE: self._decline,
-            Act.ASK_HAND_OVER: self._ask_hand_over,
-            Act.HAND_OVER: self._hand_over,
-            Act.LEAVE: self._leave,
+            Act.CONFIRM: answering.confirm,
+            Act.DECLINE: answering.decline,
+            Act.ASK_HAND_OVER: answering.ask_hand_over,
+            Act.HAND_OVER: answering.hand_over,
+            Act.LEAVE: answering.leave,
             Act.ANSWER: self._answer,
             Act.REPEAT: self._repeat,
             Act.KEEP_NAME: self._keep_name,
@@ -107,6 +109,11 @@ class Conversation:
     # --- doors ---------------------------------------------------------------------------------
 
     @property
+    def asked(self) -> str:
+        """Name of the question that is open; empty for none."""
+        return self._board.questions.open
+
+    @property
     def asks(self) -> bool:
         """Whether a yes or a no would be an answer now."""
         return self._follow() in {Place.ASKING_BUILD, Place.ASKING_APART, Place.ASKING_HAND_OVER}
@@ -124,8 +131,29 @@ class Conversation:
             return said is Input.ANOTHER
         return await self._cell.wishes.reads_as_change(text)
 
-    async def take(self, utterance: Utterance, role: Role, owner: str = "") -> str:
+    async def hear(self, utterance: Utterance, begun_s: float) -> str:
+        """Do what somebody said in front of the cell; returns what the cell says to it.
+
+        Args:
+            utterance: what was heard.
+            begun_s: when that speech began (monotonic): a yes is for what was asked by then.
+
+        Raises:
+            CellctlError: why it is not done.
+        """
+        answers = self._board.questions.meant(begun_s)
+        return await self.take(utterance, Role.VISITOR, answers=answers)
+
+    async def take(
+        self, utterance: Utterance, role: Role, owner: str = "", *, answers: str | None = None
+    ) -> str:
         """Do what somebody said, typed or spoken; returns what the cell says to it.
+
+        Args:
+            utterance: what was said.
+            role: of the one who says it.
+            owner: mark of that visitor.
+            answers: name of the question that a yes would be for; None: of whichever is open.
 
         Raises:
             CellctlError: why it is not done.
@@ -136,10 +164,12 @@ class Conversation:
         self._board.heard(utterance.text)
         self._names.heard(owner, at_work=self._has_job(owner))
         self._transcript.keep(role.value, utterance.text)
-        return await self._say(Said(Who(role, owner), utterance, reading))
+        return await self._say(Said(Who(role, owner), utterance, reading, answers=answers))
 
-    async def press(self, said: Input, role: Role, owner: str = "") -> str:
-        """Do what a button says.
+    async def press(
+        self, said: Input, role: Role, owner: str = "", *, answers: str | None = None
+    ) -> str:
+        """Do what a button says; see ``take``.
 
         Raises:
             CellctlError: why it is not done.
@@ -148,7 +178,7 @@ class Conversation:
             self._board.heard("")  # what was said before is about something else
         self._names.heard(owner, at_work=self._has_job(owner))
         pressed = Utterance(text=said.value.replace("_", " "), source="text")
-        return await self._say(Said(Who(role, owner), pressed, Reading(said)))
+        return await self._say(Said(Who(role, owner), pressed, Reading(said), answers=answers))
 
     def drop(self, ticket: int) -> str:
         """Forget one wish that waits, whosever it is; returns what is said of it.
@@ -242,17 +272,17 @@ class Conversation:
         log.info("conversation", place=place, said=said.reading.said, act=decision.act)
         line = await self._acts[decision.act](said)
         if decision.place is not place:
-            self._arrive(decision.place)
+            self._arrive(decision.place, line)
         return line
 
-    def _arrive(self, place: Place) -> None:
+    def _arrive(self, place: Place, line: Line) -> None:
         self._place = place
         if place is Place.ASKING_HAND_OVER:
             config = self._cell.config
             open_s = config.policy.confirmation_timeout_s
             self._deadline_s = self._clock.now_s() + open_s
             wall = timedelta(seconds=open_s / config.cell.clock_rate)
-            self._board.ask_hand_over(self._clock.wall_time() + wall)
+            self._board.ask_hand_over(self._clock.wall_time() + wall, line)
         else:
             self._board.ask_hand_over(None)
         self._follow()
@@ -369,62 +399,10 @@ class Conversation:
             unless=lambda: "" if self._cell.active_job is job else "That came too late.",
         )
 
-    # --- answers -------------------------------------------------------------------------------
-
-    async def _confirm(self, _said: Said) -> Line:
-        job = self._cell.active_job
-        text = await self._commands.answer(yes=True)
-        line = Line(key="reply.yes", text=text, language=self._wording.language)
-        copies = self._cell.sentences.copies_left(job) if job is not None else 0
-        if job is None or not copies or job.request is None or job.utterance is None:
-            return line
-        if self._turns.is_full_for(job.owner):
-            return line
-        self._turns.add(
-            job.utterance,
-            self._naming.wish(job.request.model_copy(update={"count": 1})),
-            owner=job.owner,
-            name=job.owner_name,
-            copies=copies,
-        )
-        more = self._wording.text("queue.copies", count=copies)
-        return line.model_copy(update={"text": f"{text} {more}"})
-
-    async def _decline(self, _said: Said) -> Line:
-        return self._reply("no", await self._commands.answer(yes=False))
-
-    def _refuse_anothers_object(self, who: Who) -> None:
-        """What stands is taken along from where it stands, or by the one for whom it was built.
-
-        Raises:
-            RefusedError: somebody elsewhere says so.
-        """
-        job = self._cell.job
-        if who.role is Role.VISITOR and who.owner and (job is None or job.owner != who.owner):
-            raise RefusedError(self._wording.text("explain.anothers_object"))
-
-    async def _ask_hand_over(self, said: Said) -> Line:
-        self._refuse_anothers_object(said.who)
-        count = len(self._cell.builder.standing)
-        if not count:
-            raise RefusedError(self._wording.text("explain.nothing_stands"))
-        return self._line("ask.hand_over", amount=self._wording.text("count.parts", count=count))
-
-    async def _hand_over(self, said: Said) -> Line:
-        self._refuse_anothers_object(said.who)
-        count = len(self._cell.builder.standing)
-        await self._commands.take("hand_over", said.who.role)
-        return self._line(
-            "reply.handed_over", amount=self._wording.text("count.parts", count=count)
-        )
-
-    async def _leave(self, _said: Said) -> Line:
-        return self._line("reply.stays")
+    # --- words of command ----------------------------------------------------------------------
 
     def _reply(self, word: str, text: str) -> Line:
         return Line(key=f"reply.{word}", text=text, language=self._wording.language)
-
-    # --- words of command ----------------------------------------------------------------------
 
     async def _command(self, said: Said) -> Line:
         word = said.reading.said.value

@@ -25,3 +25,5 @@ class Said:
     utterance: Utterance
     reading: Reading
     request: Request | None = None
+    answers: str | None = None
+    """Name of the question that a yes would be for; None: of whichever is open."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cellctl.kiosk.components import Button, Text, attribute, box, shown
+from cellctl.kiosk.components import Button, Text, asked_of, attribute, box, shown
 from cellctl.kiosk.operator.desk import Desk
 from cellctl.kiosk.shell import duration
 from cellctl.messages import ConfirmCommand, MuteCommand, PlainCommand, Snapshot
@@ -18,6 +18,8 @@ class Now:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
+        self._asked = ""
+        """Name of the question that yes was pressed for."""
         words = desk.words
         with box("section", "now", aria_label=words.say("op.now")) as self._whole:
             with box("div", "now__words"):
@@ -39,12 +41,12 @@ class Now:
             "stop": Button(say("act.stop"), plain(order("stop")), kind="danger", picture="stop"),
             "yes": Button(
                 say("act.yes"),
-                desk.asking_first(
-                    "confirm", plain(ConfirmCommand(answer=True)), self._what_a_yes_does
-                ),
+                desk.asking_first("confirm", self._agree, self._what_a_yes_does),
                 picture="yes",
             ),
-            "no": Button(say("act.no"), plain(ConfirmCommand(answer=False)), picture="no"),
+            "no": Button(
+                say("act.no"), plain(ConfirmCommand(answer=False, asked="")), picture="no"
+            ),
             "reset": Button(say("act.reset"), plain(order("reset")), kind="strong"),
             "resume": Button(
                 say("act.resume"),
@@ -62,9 +64,14 @@ class Now:
             "mute": Button(say("act.mute"), plain(MuteCommand(command="mute")), picture="muted"),
         }
 
+    async def _agree(self) -> None:
+        """A yes to the question that stood there when it was pressed, and to no later one."""
+        await self._desk.order(ConfirmCommand(answer=True, asked=self._asked))
+
     def _what_a_yes_does(self) -> str:
         """What a yes to the open question leads to."""
         snapshot = self._desk.snapshot
+        self._asked = self._buttons["yes"].asked
         hands_over = snapshot is not None and snapshot.dialogue.question == "hand_over"
         return self._desk.words.say("sure.hand_over" if hands_over else "sure.confirm")
 
@@ -100,10 +107,9 @@ class Now:
             possible = desk.takes(name)
             self._buttons[name].enable(possible)
             shown(self._buttons[name], possible or name == "pause")
-        question = snapshot.dialogue.question if snapshot is not None else ""
-        asked = desk.takes("confirm") or (question == "hand_over" and desk.takes("hand_over"))
+        asked_of(self._whole, snapshot.dialogue.asked if snapshot is not None else "")
         for name in ("yes", "no"):
-            shown(self._buttons[name], asked)
+            shown(self._buttons[name], desk.takes("confirm"))
         ears = snapshot.ears.state if snapshot is not None else "off"
         shown(self._buttons["unmute"], ears == "muted")
         shown(self._buttons["mute"], ears not in {"muted", "off", "lost"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from cellctl.kiosk.components import Action, Button, Entry, Kind, box, shown
+from cellctl.kiosk.components import Action, Button, Entry, Kind, asked_of, box, shown
 from cellctl.kiosk.shell import Page
 from cellctl.kiosk.visitor.telling import Telling
 from cellctl.messages import (
@@ -29,8 +29,6 @@ _BUTTONS: Final[dict[Offer, tuple[Kind, str]]] = {
 }
 """How each stands out, and its picture; in this order. A change is typed or said."""
 _COMMANDS: Final[dict[Offer, Command]] = {
-    "yes": ConfirmCommand(answer=True),
-    "no": ConfirmCommand(answer=False),
     "another": PlainCommand(command="another"),
     "talk": ListenCommand(),
     "hand_over": PlainCommand(command="hand_over"),
@@ -38,6 +36,7 @@ _COMMANDS: Final[dict[Offer, Command]] = {
     "cancel": PlainCommand(command="cancel"),
     "stop": PlainCommand(command="stop"),
 }
+"""What each sends, beside yes and no."""
 _TYPED_IN: Final = frozenset({"ready", "done", "asking", "hearing", "building", "taking_apart"})
 """Phases in which words are listened to, and typed ones as well."""
 
@@ -54,7 +53,7 @@ class Actions:
                 for offer, (kind, picture) in _BUTTONS.items():
                     self._buttons[offer] = Button(
                         words.say(f"offer.{offer}"),
-                        self._doing(_COMMANDS[offer]),
+                        self._doing(offer),
                         kind=kind,
                         picture=picture,
                         classes=f"offer offer--{offer}",
@@ -63,18 +62,26 @@ class Actions:
                 words.say("visit.type"), words.say("visit.send"), self._typed, MAX_TEXT
             )
 
-    def _doing(self, body: Command) -> Action:
+    def _doing(self, offer: Offer) -> Action:
         async def act() -> None:
+            answers = offer in {"yes", "no"}
+            body = self._answer(offer) if answers else _COMMANDS[offer]
             await self._page.site.link.ask(body, visitor=self._page.visitor)
 
         return act
 
-    async def _typed(self, text: str) -> None:
-        await self._page.site.link.ask(SayCommand(text=text), visitor=self._page.visitor)
+    def _answer(self, offer: Offer) -> Command:
+        """An answer to the question that was shown, and to no later one."""
+        return ConfirmCommand(answer=offer == "yes", asked=self._buttons[offer].asked)
+
+    async def _typed(self, text: str, asked: str) -> None:
+        body = SayCommand(text=text, asked=asked)
+        await self._page.site.link.ask(body, visitor=self._page.visitor)
 
     def show(self, now: Telling) -> None:
         """Offer what makes sense now."""
         page = self._page
+        asked_of(self._whole, now.asked)
         shown(self._whole, now.phase != "never")
         stale = page.site.mirror.stale
         # A visitor's own device cannot be talked to: the microphone is the cell's.

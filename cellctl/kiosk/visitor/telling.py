@@ -41,6 +41,8 @@ class Telling:
     """Of the sentence."""
     speaking: bool = False
     question: Question = ""
+    asked: str = ""
+    """Name of the question that is open, which an answer carries."""
     deadline: datetime | None = None
     offers: tuple[Offer, ...] = ()
     heard: str = ""
@@ -74,6 +76,7 @@ def telling(snapshot: Snapshot | None) -> Telling:
         language=language,
         speaking=talk.speaking,
         question=talk.question,
+        asked=talk.asked,
         deadline=talk.deadline,
         offers=talk.offers,
         heard=talk.heard if phase not in _AT_REST else "",

@@ -63,6 +63,9 @@ class Segment(Value):
     speech_end_s: float
     """When the last speech in it ended: seconds of sound in the pipeline's own events, this
     machine's monotonic clock in those of ``Ears``."""
+    speech_s: float
+    """How long before that the first speech in it began; more than its sound lasts where only the
+    end of long speech is passed on."""
 
     @property
     def samples(self) -> Samples:

@@ -102,7 +102,7 @@ class Pipeline:
         self._spoken: deque[bytes] = deque()
         self._loudest = 0.0
         self._speech_s = 0.0
-        self._speech_end_s = 0.0
+        self._speech_begin_s = self._speech_end_s = 0.0
         self._mark = 0
         self.own_voice = OwnVoice(CHUNK_S, OWN_VOICE_STEP_S)
         """What is expected to be heard of the cell itself, by ``now_s``."""
@@ -167,6 +167,7 @@ class Pipeline:
                 talking = False
             if not talking:
                 self._spoken.extend(self._before)
+                self._speech_begin_s = self._now_s - CHUNK_S
             self._loudest = max(self._loudest, self._levels[-1])
             self._speech_s += CHUNK_S
             self._mark += 1
@@ -261,7 +262,13 @@ class Pipeline:
         after, self._after = self._after, ""
         if not after and self.open_to_all and self.expecting == "request":
             after = "open"
-        return Segment(pcm=pcm, after=after, mark=self._mark, speech_end_s=self._speech_end_s)
+        return Segment(
+            pcm=pcm,
+            after=after,
+            mark=self._mark,
+            speech_end_s=self._speech_end_s,
+            speech_s=self._speech_end_s - self._speech_begin_s,
+        )
 
     def _drop(self) -> None:
         self._before.extend(self._spoken)
