@@ -206,6 +206,18 @@ class StepKind(StrEnum):
     REMOVE = "remove"
 
 
+class Pace(Value):
+    """How fast a movement is told to be."""
+
+    speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)]
+    """Greatest speed of the TCP."""
+    acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)]
+    """Its acceleration."""
+
+    def __str__(self) -> str:
+        return f"{self.speed_m_s:g} m/s and {self.acceleration_m_s2:g} m/s2"
+
+
 class TakeOff(Value):
     """How a placed part is parted from its neighbours, by the gentlest way that the rest bears."""
 

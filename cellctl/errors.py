@@ -312,6 +312,17 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         remedy="Free the part from the gripper, holding what it stands on; then reset and resume.",
     ),
     FaultEntry(
+        code="part_fell",
+        severity=Severity.HELD,
+        policy=Policy.HOLD,
+        title="A part that was let go in a trial of speed does not stand where it should.",
+        causes=("It was set down too hard.", "Its magnets do not hold.", "Somebody took it away."),
+        remedy=(
+            "Take away what fell, lay it with the stock and say so with `cellctl inventory set`. "
+            "Reset; cancel ends the trial, resume places another part there."
+        ),
+    ),
+    FaultEntry(
         code="gripper_holds",
         severity=Severity.HELD,
         policy=Policy.HOLD,

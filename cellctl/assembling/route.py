@@ -20,7 +20,8 @@ from cellctl.assembling.poses import Matrix, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
 from cellctl.assembling.route_finder import RouteFinder
 from cellctl.assembling.take_off import TakeOffRoutes
-from cellctl.assembly import Cell, TakeOff, Value
+from cellctl.assembling.told_route import ToldRoutes
+from cellctl.assembly import Cell, Pace, TakeOff, Value
 from cellctl.config import CellConfig, Joints, Pose, Vector
 from cellctl.errors import PlanError
 
@@ -79,6 +80,7 @@ class RoutePlanner:
         self._depth_m = config.robot.touch_depth_m
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
         self._taking = TakeOffRoutes(config, self._frames, self._checker)
+        self._told = ToldRoutes(config, self._frames, self._checker)
 
     def pick_stance(self) -> Stance:
         """Gripping the part at the pick station.
@@ -124,23 +126,40 @@ class RoutePlanner:
         scene = self._checker.scene(placed, carrying=True)
         return self._route(start or self.pick_stance(), self.place_stance(cell), scene)
 
-    def to_seat(self, cell: Cell, start: Stance, placed: Collection[Cell]) -> Route:
+    def to_seat(
+        self, cell: Cell, start: Stance, placed: Collection[Cell], pace: Pace | None = None
+    ) -> Route:
         """The same from anywhere, pressed on what carries the part where that bears it: its end is
         ``robot.touch_depth_m`` below the seat.
 
+        Args:
+            cell: where the part goes.
+            start: where the arm is.
+            placed: what stands already.
+            pace: what the movement is told, for a trial of it: it is on the square path then.
+
         Raises:
-            PlanError: there is no such way.
+            PlanError: there is no such way, or the arm does not bear that pace.
         """
-        if not self.presses(cell, placed):
-            return self.to_cell(cell, placed, start)
         if cell in placed:
             raise PlanError(f"{_name(cell)} is already occupied.")
-        seat = self.place_stance(cell)
-        tcp = to_matrix(seat.tcp_pose)
-        below = self._frames.raised(tcp, self._frames.height_m(tcp) - self._depth_m)
-        goal = self._stance(below, _name(cell), near=seat.joints_rad)
+        goal, sink_m = self.place_stance(cell), 0.0
+        if self.presses(cell, placed):
+            sink_m = self._depth_m
+            tcp = to_matrix(goal.tcp_pose)
+            below = self._frames.raised(tcp, self._frames.height_m(tcp) - sink_m)
+            goal = self._stance(below, _name(cell), near=goal.joints_rad)
         scene = self._checker.scene(placed, carrying=True)
-        return self._finder.find(start, goal, scene, sink_m=self._depth_m)
+        if pace is None:
+            return self._finder.find(start, goal, scene, sink_m=sink_m)
+        return self._told.find(start, goal, scene, pace, top_m=self._top_m(placed), sink_m=sink_m)
+
+    def _top_m(self, placed: Collection[Cell]) -> float:
+        """Height above the floor of what stands, or waits on the belt."""
+        top_m = self._frames.cell_from_workspace[2, 3] + self._pitch_m * max(
+            (cell.z + 1 for cell in placed), default=0
+        )
+        return max(float(top_m), self._frames.height_m(self._frames.pick_tcp()))
 
     def presses(self, cell: Cell, placed: Collection[Cell]) -> bool:
         """Whether a part is pressed on what carries it: where a column down to the floor does, for
@@ -308,16 +327,28 @@ class RoutePlanner:
         goal = self._stance(up, "the place above", near=start.joints_rad)
         return self._route(start, goal, self._checker.scene(placed, carrying=carrying))
 
-    def step(self, cell: Cell, placed: Collection[Cell], previous: Cell | None = None) -> StepRoute:
+    def step(
+        self,
+        cell: Cell,
+        placed: Collection[Cell],
+        previous: Cell | None = None,
+        pace: Pace | None = None,
+    ) -> StepRoute:
         """What one placement takes: from where the arm put the previous part (or home) to the pick
         station, and on to the cell.
+
+        Args:
+            cell: where the part goes.
+            placed: what stands already.
+            previous: the cell of the part before.
+            pace: what the way with the part is told, for a trial of it.
 
         Raises:
             PlanError: there is no such way.
         """
         start = self.home if previous is None else self.place_stance(previous)
         fetch = self.to_pick(start, placed)
-        bring = self.to_seat(cell, fetch.end, placed)
+        bring = self.to_seat(cell, fetch.end, placed, pace)
         standing_s = self.closing_s + self.placing_s(cell, placed)
         return StepRoute(
             clearance_m=bring.crossing_height_m,

@@ -11,13 +11,15 @@ from typing import Annotated
 import typer
 
 from cellctl.assembling.poses import Matrix, inverse, to_matrix
-from cellctl.assembly import Role
+from cellctl.assembly import Pace, Role
 from cellctl.cli.frames_walk import MEASURED, FramesWalk, Touch
+from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, KeyOption, client
+from cellctl.cli.speed_walk import PAPERS, SpeedWalk, best, column, values_of
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, find_config, load_config
 from cellctl.config.rewriting import NewValues, difference, replace_file, rewritten
-from cellctl.errors import RefusedError, UsageError
+from cellctl.errors import ExitStatus, RefusedError, UsageError
 from cellctl.messages import CalibratedCommand
 
 PinOption = Annotated[
@@ -27,6 +29,22 @@ PinOption = Annotated[
         min=0.0,
         max=0.5,
         help="How far the tip that touches is below the TCP; 0: the gripper's own face touches.",
+    ),
+]
+ObjectOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--object", help="A mesh, plan or cells to build, as for `cellctl build`; a column of two."
+    ),
+]
+TimesOption = Annotated[int, typer.Option(min=1, max=100, help="How often each pace is tried.")]
+PacesOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--pace",
+        metavar="V,A",
+        help="A pace to try, in m/s and m/s2, such as 1.5,0.75; may be given again and again. "
+        "Without any: the eight of the paper's table.",
     ),
 ]
 
@@ -55,6 +73,69 @@ def register(app: typer.Typer) -> None:
             note = f"frames measured and {'written' if written else 'not written'}: "
             note += "; ".join(measured.report)
             cell.request(CalibratedCommand(what="frames", note=note[:1000]))
+
+    @calibrate.command()
+    def speed(
+        config: ConfigOption = None,
+        key: KeyOption = None,
+        thing: ObjectOption = None,
+        times: TimesOption = 1,
+        pace: PacesOption = None,
+    ) -> None:
+        """Find out how fast parts may be carried and set down, by building at several paces.
+
+        The paper's trial: at each speed and acceleration the object is built on the square path and
+        taken apart. Stay at the emergency stop: parts fall. Pause, stop and cancel work as ever;
+        Ctrl-C cancels the trial. The quickest pace at which everything stood each time is shown as
+        the limit for movements with a part, and is written only after a yes.
+        """
+        _need_terminal("speed")
+        path = find_config(config)
+        settings = load_config(path)
+        paces = [read_pace(text) for text in pace] if pace else PAPERS
+        name = thing.name if thing is not None else "column of two.json"
+        content = read_file(thing) if thing is not None else column(settings.voxel.pitch_m)
+        with client(config, Role.OPERATOR, key) as cell:
+            walk = SpeedWalk(cell, _Standing(), name=name, content=content, times=times)
+            try:
+                found = walk.run(paces)
+            except KeyboardInterrupt:
+                typer.echo(cell.command("cancel").message)
+                raise
+            chosen = best(found)
+            if chosen is None:
+                typer.echo("At no pace did everything stand; nothing was changed.")
+                raise typer.Exit(int(ExitStatus.DIFFERS))
+            written = offer(path, values_of(chosen, name), typer.confirm)
+            note = f"limit for carrying {'written' if written else 'not written'}: {chosen}"
+            cell.request(CalibratedCommand(what="speed", note=note))
+
+
+def read_pace(text: str) -> Pace:
+    """A speed and an acceleration as they are written on a command line.
+
+    Raises:
+        UsageError: that is none.
+    """
+    try:
+        speed_m_s, acceleration_m_s2 = (float(part) for part in text.split(","))
+        return Pace(speed_m_s=speed_m_s, acceleration_m_s2=acceleration_m_s2)
+    except ValueError as error:
+        raise UsageError(
+            f"{text!r} is no pace.",
+            "Write speed and acceleration in m/s (at most 3) and m/s2 (at most 20): 1.5,0.75.",
+        ) from error
+
+
+class _Standing:
+    """Somebody who stands at the cell, at this terminal."""
+
+    def tell(self, text: str) -> None:
+        typer.echo(text)
+
+    def removed(self, what: str) -> bool:
+        typer.echo(what)
+        return typer.confirm("Take away what fell and lay it with the stock. Done?")
 
 
 class Terminal:

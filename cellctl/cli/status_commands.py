@@ -65,6 +65,8 @@ def _show(console: Console, snapshot: Snapshot) -> None:
     if job is not None:
         heard = job.utterance.text if job.utterance is not None else "a file"
         table.add_row("[bold]job[/]", f"{job.job_id}: {job.title or heard} {job.outcome}")
+        if job.pace is not None:
+            table.add_row("", f"a trial of {job.pace}")
         if job.parts_total:
             table.add_row("", f"{job.parts_placed} of {job.parts_total} parts placed")
     if snapshot.fault.entry is not None:
@@ -75,6 +77,9 @@ def _show(console: Console, snapshot: Snapshot) -> None:
     table.add_row("[bold]parts[/]", held)
     arm = f"{snapshot.arm.safety}, {'moving' if snapshot.arm.moving else 'at rest'}"
     table.add_row("[bold]robot[/]", arm if snapshot.arm.connected else "not connected")
+    if snapshot.carrying is not None:
+        measured = snapshot.carrying_measured or "not measured"
+        table.add_row("[bold]carrying[/]", f"at most {snapshot.carrying} ({measured})")
     gripper, belt = snapshot.gripper, snapshot.conveyor
     table.add_row("[bold]gripper[/]", f"holds {gripper.holding}")
     if gripper.board is not None:

@@ -33,6 +33,9 @@ class RobotSection(Section):
     """The most with a part in the gripper, where that is less."""
     carrying_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)] = 20.0
     """The most with a part in the gripper, where that is less."""
+    carrying_measured: Annotated[str, Field(max_length=200)] = ""
+    """What these two rest on: date, object and how often it stood; `cellctl calibrate speed` writes
+    all three."""
     joint_speed_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.95
     """How much of its joints' greatest speeds the arm uses."""
     joint_acceleration_rad_s2: Annotated[float, Field(gt=0.0, le=40.0)] = 5.2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -12,7 +13,7 @@ from cellctl.config.cell import CellConfig
 from cellctl.config.loading import parse_config
 from cellctl.errors import ConfigError
 
-NewValues = Mapping[tuple[str, str], float | Sequence[float]]
+NewValues = Mapping[tuple[str, str], float | str | Sequence[float]]
 """By table and key."""
 
 _TABLE = re.compile(r"\s*\[([A-Za-z0-9_.]+)\]")
@@ -76,7 +77,9 @@ def replace_file(path: Path, old: str, new: str, suffix: str) -> Path:
     return kept
 
 
-def _written(value: float | Sequence[float]) -> str:
+def _written(value: float | str | Sequence[float]) -> str:
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, float | int):
         return repr(round(float(value), 6))
     return "[" + ", ".join(repr(round(float(one), 6) + 0.0) for one in value) + "]"

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 from cellctl import __version__
 from cellctl.assembling.arm import ArmCheck, ArmIdentity
+from cellctl.assembly import Pace
 from cellctl.config import CellConfig, GeneratorName
 from cellctl.credentials import find_credential
 from cellctl.errors import ConfigError
@@ -52,6 +53,8 @@ _SHOWN: Final = (
     "robot.travel_speed_m_s",
     "robot.travel_acceleration_m_s2",
     "robot.carrying_speed_m_s",
+    "robot.carrying_acceleration_m_s2",
+    "robot.carrying_measured",
     "robot.approach_speed_m_s",
     "robot.joint_speed_fraction",
     "robot.clearance_m",
@@ -114,6 +117,15 @@ def limits(config: CellConfig, now: Present) -> LimitsData:
             LimitData(option=name, configured=_value(config, name), in_force=in_force.get(name))
             for name in _SHOWN
         )
+    )
+
+
+def carrying(config: CellConfig) -> Pace:
+    """The most that a movement with a part has."""
+    robot = config.robot
+    return Pace(
+        speed_m_s=min(robot.carrying_speed_m_s, robot.travel_speed_m_s),
+        acceleration_m_s2=min(robot.carrying_acceleration_m_s2, robot.travel_acceleration_m_s2),
     )
 
 
@@ -193,14 +205,15 @@ def _value(config: CellConfig, option: str) -> float | str:
 
 def _in_force(config: CellConfig, now: Present) -> dict[str, float | str]:
     """What holds now, by option, where the configuration does not decide alone."""
-    counts, robot = now.counts, config.robot
+    counts, carried = now.counts, carrying(config)
     found: dict[str, float | str] = {
         "workspace.size_m": " x ".join(str(edge) for edge in config.grid) + " cells",
         "limits.inventory_parts": min(
             config.limits.inventory_parts, counts.available + now.standing
         ),
         "feeder.capacity_parts": counts.belt,
-        "robot.carrying_speed_m_s": min(robot.carrying_speed_m_s, robot.travel_speed_m_s),
+        "robot.carrying_speed_m_s": carried.speed_m_s,
+        "robot.carrying_acceleration_m_s2": carried.acceleration_m_s2,
     }
     if now.identity is not None:
         found["robot.model"] = now.identity.model

@@ -7,7 +7,16 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Literal
 
-from cellctl.assembly import BuildPlan, Cell, PartOutcome, Request, Role, Utterance, Value
+from cellctl.assembly import (
+    BuildPlan,
+    Cell,
+    Pace,
+    PartOutcome,
+    Request,
+    Role,
+    Utterance,
+    Value,
+)
 from cellctl.feeding.inventory import Counts, Move
 from cellctl.mesh import GeneratedMesh
 from cellctl.messages import Outcome as JobOutcome
@@ -99,6 +108,8 @@ class JobRecord(Value):
     parts: tuple[PartOutcome, ...] = ()
     upload_name: str = ""
     """Name of the mesh or plan file that it began with."""
+    pace: Pace | None = None
+    """What the movements with a part are told, where it is a trial of that."""
     cancelling: bool = False
     owner: str = ""
     """Mark of the visitor whose it is; empty for the one in front of the cell."""

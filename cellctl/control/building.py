@@ -134,7 +134,7 @@ class Builder(Acting):
             await hands.foreseeing(
                 hands.close(prove=False),
                 str(step.cell),
-                partial(hands.routes.to_seat, step.cell),
+                partial(hands.routes.to_seat, step.cell, pace=job.pace),
                 self.standing,
             )
             act.moves, act.belt_indexes = (Move.PICK,), belt.indexes
@@ -192,7 +192,9 @@ class Builder(Acting):
         async with self._act(ActKind.PLACE, job) as act:
             routes = self._hands.routes
             move = asyncio.create_task(
-                self._travel(partial(routes.to_seat, step.cell), job, key=str(step.cell))
+                self._travel(
+                    partial(routes.to_seat, step.cell, pace=job.pace), job, key=str(step.cell)
+                )
             )
             try:
                 # While the part rises straight up, slowly at first.
@@ -250,7 +252,8 @@ class Builder(Acting):
         Raises:
             CellFault: of the gripper; ``gripper_silent`` when the latch has ceased to confirm its
                 part on the way, which may then lie anywhere; ``not_seated`` when nothing carries
-                it; ``part_stuck`` when it does not come off the gripper.
+                it; ``part_stuck`` when it does not come off the gripper; ``part_fell`` when, in a
+                trial, it is not felt to stand.
         """
         step = job.step
         assert step is not None, "letting go needs a step"
@@ -263,13 +266,35 @@ class Builder(Acting):
                 await self._touch.seat(step.cell, self.standing, partial(self._travel, job=job))
             self._latch_moves(ActKind.RELEASE)
             await self._let_go(job, step.cell)
+            stands = job.pace is None or await self._touch.stands(
+                step.cell, self.standing, partial(self._travel, job=job)
+            )
             await self._touch.free(
                 step.cell, partial(self._travel, job=job, key=_FREE), self._next_prepared(job)
             )
             act.moves = (Move.PLACE,)
+        if not stands:
+            await self._fell(job, step.cell)
         job.outcomes.append(self._outcome(step))
         job.standing = self.standing
         return job.outcomes[-1]
+
+    async def _fell(self, job: Job, cell: Cell) -> None:
+        """A part that was let go does not stand: nobody knows where it is.
+
+        Raises:
+            CellFault: ``part_fell``, or ``journal_failed``.
+        """
+        detail = "nothing is felt under the open gripper"
+        await self._journal.record(
+            ActKind.MISSING,
+            job_id=job.job_id,
+            cell=cell,
+            detail=detail,
+            moves=(Move.LOSE_PLACED,),
+        )
+        job.standing = self.standing
+        raise CellFault("part_fell", f"At {list(cell)} {detail}.")
 
     def _outcome(self, step: Step) -> PartOutcome:
         """What the step took, since the one before; the next one counts from here."""

@@ -19,7 +19,7 @@ from cellctl.assembling.latch_gripper import LatchGripper
 from cellctl.boards.constants import ResetCause
 from cellctl.clock import Clock, SystemClock
 from cellctl.config import CellConfig
-from cellctl.control.about import Present
+from cellctl.control.about import Present, carrying
 from cellctl.control.archive import Archive
 from cellctl.control.books import Books
 from cellctl.control.bus import Bus
@@ -197,6 +197,8 @@ class Daemon:
             fault=latched.view() if latched is not None else FaultData(),
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.wishes.recogniser,
+            carrying=carrying(self.config),
+            carrying_measured=self.config.robot.carrying_measured,
             ears=self.ears.data,
             voice=self.voice.data,
             dialogue=self.dialogue.data,

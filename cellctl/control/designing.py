@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from cellctl.errors import DesignError, UsageError
 
 if TYPE_CHECKING:
-    from cellctl.assembly import BuildPlan, Cell, Request
+    from cellctl.assembly import BuildPlan, Cell, Pace, Request
     from cellctl.config import CellConfig
     from cellctl.control.proposals import Chosen, Proposals
     from cellctl.mesh import GeneratedMesh
@@ -153,6 +153,13 @@ def plan_upload(
 
     mesh = realise(parse_description(content, name), config, provenance=f"from {name}")
     return plan.plan_build(mesh, config, available, progress)
+
+
+def at_pace(plan: BuildPlan, pace: Pace, config: CellConfig) -> BuildPlan:
+    """The same plan with the times of a pace that is under trial; see ``validating.siting``."""
+    from cellctl.validating import siting  # noqa: PLC0415
+
+    return siting.paced(plan, pace, config)
 
 
 def take_apart(

@@ -12,6 +12,7 @@ from cellctl.assembly import (
     BuildPlan,
     Cell,
     Intent,
+    Pace,
     PartOutcome,
     Request,
     Role,
@@ -91,6 +92,8 @@ class Job:
     upload_name: str = ""
     upload: bytes | None = None
     """The mesh or plan file that it began with."""
+    pace: Pace | None = None
+    """What the movements with a part are told, where it is a trial of that."""
     standing: frozenset[Cell] = frozenset()
     """Cells of the workspace that hold a part."""
     outcomes: list[PartOutcome] = field(default_factory=list)
@@ -117,9 +120,9 @@ class Job:
     owner_name: str = ""
 
     @classmethod
-    def of_file(cls, name: str, content: bytes, role: Role) -> Self:
-        """That builds what a mesh or plan file holds."""
-        return cls(role, phase=Phase.VALIDATING, upload_name=name, upload=content)
+    def of_file(cls, name: str, content: bytes, role: Role, pace: Pace | None = None) -> Self:
+        """That builds what a mesh or plan file holds, at a pace that is under trial if need be."""
+        return cls(role, phase=Phase.VALIDATING, upload_name=name, upload=content, pace=pace)
 
     @classmethod
     def taking_apart(cls, role: Role, owner: str = "") -> Self:
@@ -321,6 +324,7 @@ class Job:
             plan=self.plan,
             parts=tuple(self.outcomes),
             upload_name=self.upload_name,
+            pace=self.pace,
             cancelling=self.cancelling,
             owner=self.owner,
             owner_name=self.owner_name,
@@ -340,6 +344,7 @@ class Job:
             began_at=record.began_at,
             upload_name=record.upload_name,
             upload=files.upload,
+            pace=record.pace,
             standing=standing,
             outcomes=list(record.parts),
             message=record.message,
@@ -367,6 +372,7 @@ class Job:
             parts_total=len(plan.steps) if plan is not None else 0,
             parts_placed=self.placed,
             predicted_s=sum(known) if durations and len(known) == len(durations) else None,
+            pace=self.pace,
             checks=plan.checks if plan is not None else (),
             changes=plan.changes if plan is not None else (),
             questions=plan.questions if plan is not None else (),

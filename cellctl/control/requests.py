@@ -169,9 +169,8 @@ class RequestDesk:
                 return await self._hear(body.name, _file(attachment, body.name), role, owner)
             case BuildCommand():
                 content = _file(attachment, body.name)
-                await self._cell.controller.command(
-                    Event.BUILD, lambda: self._cell.begin(Job.of_file(body.name, content, role))
-                )
+                job = Job.of_file(body.name, content, role, body.pace)
+                await self._cell.controller.command(Event.BUILD, lambda: self._cell.begin(job))
                 return f"Planning {body.name}."
             case ConfirmCommand():
                 answer = Input.YES if body.answer else Input.NO

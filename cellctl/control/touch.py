@@ -109,6 +109,27 @@ class Touch:
                 f"part is pressed with {pressed_n:.1f} N; {self._robot.touch_force_n:g} N are due.",
             )
 
+    async def stands(self, cell: Cell, standing: frozenset[Cell], travel: Travel) -> bool:
+        """Whether a part that was let go on a column presses up on the open gripper, which is where
+        the part was pressed on its seat. True of any other part, on which nothing may press.
+
+        Args:
+            cell: where it is.
+            standing: what stood before it.
+            travel: follows a route.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        if not self._hands.routes.presses(cell, standing):
+            return True
+        began_s = self._clock.now_s()
+        # It is there already, unless the letting go was broken off.
+        await self._go(cell, -self._robot.touch_depth_m, travel, carrying=False)
+        pressed_n = await self._upward_n()
+        self.felt_s += self._clock.now_s() - began_s
+        return pressed_n >= self._robot.touch_force_n
+
     def freeing(self, cell: Cell) -> Plan | None:
         """The movement that feels whether a part that is let go is free; None where nothing is
         felt."""

@@ -18,6 +18,7 @@ from cellctl.control.audio import audio_file
 from cellctl.control.controller import Post
 from cellctl.control.design_chain import BY_MYSELF, design_by_chain
 from cellctl.control.designing import (
+    at_pace,
     change_over,
     choose,
     design_another,
@@ -29,7 +30,7 @@ from cellctl.control.job import Job, Phase
 from cellctl.control.ledger import Ledger
 from cellctl.control.proposals import Proposals
 from cellctl.control.states import Event
-from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError
+from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError, PlanError
 from cellctl.listening.hearing import Hearing
 from cellctl.listening.translating import TranslatingInterpreter, Translator
 from cellctl.listening.understanding.choosing import interpreter_for
@@ -265,10 +266,16 @@ class Wishes:
         else:
             assert job.upload is not None
             name, content = job.upload_name, job.upload
+            if job.pace is not None and standing:
+                raise PlanError(
+                    "A trial begins with an empty workspace.", "Say `cellctl take-apart` first."
+                )
             plan = await call(
                 plan_upload, name, content, self._config, available,
                 timeout_s=timeout_s, progress=progress,
             )  # fmt: skip
+            if job.pace is not None:
+                plan = await call(at_pace, plan, job.pace, self._config, timeout_s=timeout_s)
         if standing:
             plan = await call(
                 change_over, plan, standing, self._config, on_belt, timeout_s=timeout_s

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cellctl.assembly import Cell, Role, Value
+from cellctl.assembly import Cell, Pace, Role, Value
 from cellctl.config import Vector
 
 PartPlace = Literal["gripper", "cell", "station", "stock", "scrap", "unknown"]
@@ -66,6 +66,9 @@ class BuildCommand(Value):
 
     command: Literal["build"] = "build"
     name: Annotated[str, Field(max_length=200)]
+    pace: Pace | None = None
+    """For a trial of it: what every movement with a part is told, on the paper's square path; each
+    part on a column must then be felt to stand."""
 
 
 class ConfirmCommand(Value):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field
 
-from cellctl.assembly import BuildPlan, Cell, PartOutcome, Value
+from cellctl.assembly import BuildPlan, Cell, Pace, PartOutcome, Value
 from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages.commands import Command
 from cellctl.messages.dialogue import DialogueData
@@ -71,6 +71,10 @@ class Snapshot(Value):
     fault: FaultData
     health: HealthData
     recogniser: str
+    carrying: Pace | None = None
+    """The most that movements with a part have."""
+    carrying_measured: str = ""
+    """What that rests on; empty where nobody has measured it."""
     ears: EarsData = EarsData(state="off")
     voice: VoiceData = VoiceData(state="off")
     dialogue: DialogueData = DialogueData(phase="starting")

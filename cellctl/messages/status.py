@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from cellctl.assembly import Change, Check, PartOutcome, Request, Role, Utterance, Value
+from cellctl.assembly import Change, Check, Pace, PartOutcome, Request, Role, Utterance, Value
 from cellctl.errors import FaultEntry
 from cellctl.messages.dialogue import DialogueData
 from cellctl.notices import Notice
@@ -56,6 +56,8 @@ class JobData(Value):
     parts_placed: int = 0
     """Steps that are done; ``parts_total`` counts parts to place and to take off."""
     predicted_s: float | None = None
+    pace: Pace | None = None
+    """What the movements with a part are told, where it is a trial of that."""
     checks: tuple[Check, ...] = ()
     changes: tuple[Change, ...] = ()
     questions: tuple[str, ...] = ()

@@ -33,7 +33,7 @@ from cellctl.sim.world_impact import Impact
 from cellctl.sim.world_links import LinkJudge
 from cellctl.sim.world_parts import Parts
 from cellctl.sim.world_support import adrift
-from cellctl.sim.world_touch import holding_back_n, pressing_n
+from cellctl.sim.world_touch import holding_back_n, leaning_n, pressing_n
 from cellctl.sim.world_values import (
     Imperfections,
     Violation,
@@ -197,7 +197,7 @@ class World(Parts):
             lifted_m = float(self._tcp[2, 3] - seated[2, 3])
             return -holding_back_n(lifted_m, magnet_n, PARTING_M)
         if self._held is None:
-            return 0.0
+            return leaning_n(self._tcp, self._placed.keys(), self._pitch_m, self.raised_m)
         return pressing_n(
             self._tcp, self._placed.keys(), self._from_feeder, self._pitch_m, self.raised_m
         )

@@ -48,6 +48,22 @@ def pressing_n(
     return _spring_n((layer + 1) * pitch_m + raised_m.get(under, 0.0) - bottom_m, pitch_m)
 
 
+def leaning_n(
+    tcp: Floats, placed: AbstractSet[Cell], pitch_m: float, raised_m: Mapping[Cell, float]
+) -> float:
+    """How hard the face of an empty gripper is pressed on a placed part, in N.
+
+    Args:
+        tcp, placed, pitch_m, raised_m: as for ``pressing_n``.
+    """
+    x_m, y_m, face_m = tcp[:3, 3].tolist()
+    under = Cell(int(x_m // pitch_m), int(y_m // pitch_m), round(face_m / pitch_m) - 1)
+    aside_m = max(abs(x_m - (under.x + 0.5) * pitch_m), abs(y_m - (under.y + 0.5) * pitch_m))
+    if aside_m > _ASIDE_M or under not in placed:
+        return 0.0
+    return _spring_n((under.z + 1) * pitch_m + raised_m.get(under, 0.0) - face_m, pitch_m)
+
+
 def holding_back_n(lifted_m: float, magnet_n: float, parting_m: float) -> float:
     """How hard magnets hold a gripped part that is lifted, in N; negative where it is pressed."""
     if lifted_m <= 0.0:

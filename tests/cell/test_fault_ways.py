@@ -5,11 +5,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, Pace
+from cellctl.cli.speed_walk import SpeedWalk, column
+from cellctl.control.acts import ActKind
+from cellctl.control.journal_reader import JournalReader
 from cellctl.errors import CellctlError, RefusedError
 from cellctl.messages import CountCommand, MissingCommand, RecoverCommand
 from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset, reset_and_resume
@@ -249,6 +253,47 @@ def test_a_part_stands_where_another_must_go_and_nobody_told(idle: RunningCell) 
     idle.client.command("resume")
     assert idle.finish().outcome == "built"
     assert len(idle.truth().built) == 2
+
+
+class Standing:
+    """A person beside trials of speed, who takes away what falls."""
+
+    def __init__(self, cell: RunningCell, removed: Callable[[], None]) -> None:
+        self._cell = cell
+        self._removed = removed
+
+    def tell(self, text: str) -> None:
+        assert text
+
+    def removed(self, what: str) -> bool:
+        assert "nothing is felt under the open gripper" in what
+        self._removed()
+        self._cell.world.clear_workspace()
+        return True
+
+
+def test_a_part_is_set_down_too_hard_in_a_trial_of_speed(idle: RunningCell) -> None:
+    def removed() -> None:
+        expect_fault(idle, "part_fell")
+        assert idle.client.snapshot().standing == ()
+        idle.assert_inventory_true()
+
+    # Whoever tries leaves the fault by a reset, and takes apart what stood before the next pace.
+    quick, hard = (Pace(speed_m_s=v, acceleration_m_s2=v) for v in (1.5, 2.5))
+    content = column(idle.config.voxel.pitch_m, 1)
+    walk = SpeedWalk(idle.client, Standing(idle, removed), name="column.json", content=content)
+    found = walk.run((hard, quick))
+    assert [(one.pace, one.stood, one.tried) for one in found] == [(hard, 0, 1), (quick, 1, 1)]
+    assert 3.0 < found[1].told_s < 6.0
+    assert [told.kind for told in idle.truth().violations[idle.held_before :]] == ["jolted"]
+    assert idle.client.snapshot().standing == ()
+    idle.assert_inventory_true()
+    with JournalReader(Path(idle.config.journal.path)) as journal:
+        noted = [act.detail for act in journal.acts("") if act.kind is ActKind.CALIBRATED]
+        paces = [stored.record.pace for stored in journal.jobs(3)]
+    assert noted[-2] == "speed: column.json at 2.5 m/s and 2.5 m/s2: 0 of 1 stood"
+    assert noted[-1].startswith("speed: column.json at 1.5 m/s and 1.5 m/s2: 1 of 1 stood")
+    assert paces == [None, quick, hard]
 
 
 def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) -> None:

@@ -26,6 +26,7 @@ PROVOKED: dict[str, tuple[str, str]] = {
     "not_seated": (WAYS, "test_nothing_is_under_the_part_that_is_to_be_let_go"),
     "contact_early": (WAYS, "test_a_part_below_stands_too_high"),
     "part_stuck": (WAYS, "test_a_part_that_sticks_to_the_gripper_is_not_torn_off"),
+    "part_fell": (WAYS, "test_a_part_is_set_down_too_hard_in_a_trial_of_speed"),
     "gripper_holds": (WAYS, "test_the_latch_holds_something_that_nobody_knows_of"),
     "arm_moved": (WAYS, "test_the_arm_is_moved_while_the_latch_is_not_confirmed"),
     "no_route": (WAYS, "test_a_part_stands_over_the_cell_where_another_must_go"),

@@ -20,6 +20,7 @@ gripper_reset     reset recover resume
 contact_early     reset rise missing count resume cancel
 not_seated        reset missing resume
 part_stuck        reset resume
+part_fell         count reset cancel resume
 gripper_holds     reset open_held resume
 arm_moved         reset hand resume cancel
 no_route          reset rise resume cancel

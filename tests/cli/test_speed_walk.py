@@ -1,0 +1,174 @@
+"""``cellctl calibrate speed``: an object at one pace after another, in the emulated cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from cellctl.assembly import Assembly, BuildPlan, Cell, Pace, Step, StepKind
+from cellctl.cli.calibrate_command import offer, read_pace
+from cellctl.cli.speed_walk import PAPERS, Attempts, SpeedWalk, best, column, values_of
+from cellctl.client import CellClient
+from cellctl.config import load_config
+from cellctl.config.rewriting import rewritten
+from cellctl.errors import PlanError, RefusedError, UsageError
+from cellctl.validating.siting import paced
+from tests.cell.harness import CONFIG, RunningCell, cell_config, running_cell
+
+STOOD = (True, True, False, False, True, True, True, False)
+"""Of the paper's table, in the order of ``PAPERS``."""
+
+
+def attempts(speed_m_s: float, stood: int, told_s: float, tried: int = 2) -> Attempts:
+    return Attempts(Pace(speed_m_s=speed_m_s, acceleration_m_s2=1.0), tried, stood, told_s)
+
+
+def test_the_papers_eight_paces_in_the_order_of_its_table() -> None:
+    assert [(pace.speed_m_s, pace.acceleration_m_s2) for pace in PAPERS] == [
+        (1.0, 1.0), (1.5, 1.5), (2.0, 2.0), (2.5, 2.5),
+        (1.0, 0.5), (1.5, 0.75), (2.0, 1.0), (2.5, 1.25),
+    ]  # fmt: skip
+
+
+def test_the_quickest_at_which_all_stood_is_chosen() -> None:
+    sometimes, slow, quick = attempts(2.0, 1, 4.0), attempts(1.0, 2, 6.0), attempts(1.5, 2, 5.0)
+    assert best([slow, sometimes, quick]) is quick
+    assert best([sometimes, attempts(3.0, 0, 0.0, tried=0)]) is None
+
+
+def test_it_is_written_as_the_limit_for_carrying(tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text(CONFIG.read_text())
+    values = values_of(attempts(1.5, 2, 5.0), "a #stool.glb")
+    assert offer(file, values, lambda _: True) is True
+    robot = load_config(file).robot
+    assert (robot.carrying_speed_m_s, robot.carrying_acceleration_m_s2) == (1.5, 1.0)
+    assert robot.carrying_measured.endswith("a  stool.glb, 2 of 2 stood at 1.5 m/s and 1 m/s2")
+    again, _ = rewritten(file.read_text(), values, "again")
+    assert again == file.read_text()
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2,3", "fast,1", "0,1", "4,1", "1,nan"])
+def test_what_is_no_pace_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="no pace"):
+        read_pace(text)
+
+
+class Standing:
+    """A person at an emulated cell, who takes away what fell."""
+
+    def __init__(self, cell: RunningCell) -> None:
+        self._cell = cell
+        self.told: list[str] = []
+        self.removals = 0
+
+    def tell(self, text: str) -> None:
+        self.told.append(text)
+
+    def removed(self, what: str) -> bool:
+        assert "nothing is felt under the open gripper" in what
+        self.removals += 1
+        self._cell.world.clear_workspace()
+        return True
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[RunningCell]:
+    with running_cell(speed=10.0, limits={"inventory_parts": 16}) as running:
+        yield running
+
+
+@pytest.fixture
+def cell(running: RunningCell) -> Iterator[RunningCell]:
+    running.begin_test()
+    yield running
+    running.bring_back()
+
+
+def walked(cell: RunningCell, paces: tuple[Pace, ...], parts: int) -> list[Attempts]:
+    """What came of it; the world has seen the same, and no part was lost."""
+    person = Standing(cell)
+    content = column(cell.config.voxel.pitch_m, parts)
+    found = SpeedWalk(cell.client, person, name="column.json", content=content).run(paces)
+    fell = sum(one.stood < one.tried for one in found)
+    assert person.removals == fell
+    assert [told.kind for told in cell.truth().violations[cell.held_before :]] == ["jolted"] * fell
+    assert cell.client.snapshot().standing == ()
+    cell.assert_inventory_true()
+    return found
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+@pytest.mark.soak
+def test_a_trial_that_is_stopped_goes_on_and_one_that_is_cancelled_ends(cell: RunningCell) -> None:
+    pace = Pace(speed_m_s=1.5, acceleration_m_s2=1.5)
+    content = column(cell.config.voxel.pitch_m)
+    with CellClient.for_role(cell.config) as own, ThreadPoolExecutor(1) as pool:
+        walk = SpeedWalk(own, Standing(cell), name="column.json", content=content)
+        trial = pool.submit(walk.run, (pace,))
+        cell.wait_mid_place()
+        cell.visitor.command("stop")
+        stopped = cell.wait_state("paused_resting")
+        assert stopped.gripper.holding == "part"
+        assert stopped.job is not None
+        assert stopped.job.pace == pace
+        cell.client.command("resume")
+        (found,) = trial.result(cell.patience_s)
+        assert found.stood == 1
+        trial = pool.submit(walk.run, (pace,))
+        cell.wait_mid_place()
+        cell.client.command("cancel")
+        with pytest.raises(RefusedError, match="not carried through"):
+            trial.result(cell.patience_s)
+    cell.wait_state("idle")
+    assert len(cell.client.snapshot().standing) == len(cell.truth().built) == 1
+    cell.assert_inventory_true()
+    with pytest.raises(RefusedError, match="nothing stands"):
+        SpeedWalk(cell.client, Standing(cell), name="column.json", content=content).run((pace,))
+
+
+@pytest.mark.wire
+@pytest.mark.soak
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("model", ["ur10e", "ur10"])
+def test_all_eight_cells_of_the_papers_table_come_out(model: str) -> None:
+    robot = {"model": model} | ({"rtde_frequency_hz": 125} if model == "ur10" else {})
+    version = "3.15" if model == "ur10" else "5.12"
+    with running_cell(
+        speed=10.0,
+        limits={"inventory_parts": 16},
+        robot=robot,
+        emulation={"controller_version": version},
+    ) as cell:
+        found = walked(cell, PAPERS, parts=2)
+    assert [one.stood == 1 for one in found] == list(STOOD)
+    chosen = best(found)
+    assert chosen is not None
+    assert (chosen.pace.speed_m_s, chosen.pace.acceleration_m_s2) == (1.5, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("cells", "robot", "why"),
+    [
+        ([(2, 2, 0), (2, 2, 1), (3, 2, 1)], {}, r"part at \[3, 2, 1\] stands could not be felt"),
+        ([(2, 2, 0)], {"touch_depth_m": 0.0}, "could not be felt"),
+        ([(2, 0, 0)], {}, "too fast for the arm's joints"),
+    ],
+)
+def test_a_trial_that_would_tell_nothing_is_refused(
+    cells: list[tuple[int, int, int]], robot: dict[str, float], why: str
+) -> None:
+    config = cell_config(robot=robot)
+    steps = tuple(
+        Step(index=i, kind=StepKind.PLACE, cell=Cell(*cell)) for i, cell in enumerate(cells)
+    )
+    assembly = Assembly.of(cells, pitch_m=config.voxel.pitch_m)
+    plan = BuildPlan(
+        plan_id="x", title="x", pitch_m=assembly.pitch_m, assembly=assembly, steps=steps, checks=()
+    )
+    with pytest.raises(PlanError, match=why):
+        paced(plan, Pace(speed_m_s=2.5, acceleration_m_s2=2.5), config)
