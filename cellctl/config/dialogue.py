@@ -15,8 +15,8 @@ class DialogueSection(Section):
     language: Annotated[str, Field(pattern=r"^[a-z]{2,3}(_[A-Z]{2})?$")] = "en"
     """The language of what the cell says and shows; there must be a file of messages for it."""
     messages_folder: str | None = None
-    """Folder of message files of your own, named `LANGUAGE.toml`; they come before the packaged
-    ones."""
+    """Where message files of your own are, in folders named `LANGUAGE` or as `LANGUAGE.toml`; they
+    come before the packaged ones."""
     queue_limit: Annotated[int, Field(ge=0, le=100)] = 6
     """How many wishes may wait while the cell is busy; 0 lets nobody wait."""
     queue_per_visitor: Annotated[int, Field(ge=1, le=100)] = 2

@@ -263,7 +263,7 @@ class Cell:
         """Keep the reason why a request ended, for the visitor."""
         job = self.job
         if job is not None:
-            job.message = str(error)
+            job.message = self.sentences.wording.translated(str(error))
             job.outcome = _OUTCOMES.get(error.exit_status, "failed")
 
     def changed(self, event: Event, before: str, after: str) -> None:

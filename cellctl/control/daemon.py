@@ -120,6 +120,7 @@ class Daemon:
             asks=lambda: self.conversation.asks,
             changes=lambda text: self.conversation.is_change(text),  # noqa: PLW0108 - made below
             sayings=Phrasebook(wording).sayings,
+            translated=wording.translated,
         )
         self.turns = Turns(config, self.clock)
         self.dialogue = DialogueBoard(

@@ -65,6 +65,7 @@ class LiveEars:
         asks: whether a yes or a no would be an answer now.
         changes: whether words change what the one in front is asked about.
         sayings: words of command in the cell's language.
+        translated: puts a sentence into that language.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class LiveEars:
         asks: Callable[[], bool],
         changes: Callable[[str], Awaitable[bool]],
         sayings: Sayings,
+        translated: Callable[[str], str],
     ) -> None:
         self._settings = settings
         self._hearing = hearing
@@ -90,6 +92,7 @@ class LiveEars:
         self._asks = asks
         self._changes = changes
         self._sayings = sayings
+        self._translated = translated
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
         self.data = EarsData(
@@ -195,7 +198,7 @@ class LiveEars:
 
     def _tell(self, sentence: str) -> None:
         """Say something to the people in the room, until the next change."""
-        self._publish(self.data.model_copy(update={"sentence": sentence}))
+        self._publish(self.data.model_copy(update={"sentence": self._translated(sentence)}))
 
     async def _recognise(self, take: Take) -> None:
         while True:

@@ -142,12 +142,16 @@ class RequestDesk:
         data: ReplyData | None = None,
         error: ReplyError | None = None,
     ) -> ControlReply:
-        job = self._cell.job
+        """An answer, in the cell's language."""
+        job, translated = self._cell.job, self._cell.sentences.wording.translated
+        if error is not None:
+            said = {"message": translated(error.message), "hint": translated(error.hint)}
+            error = error.model_copy(update=said)
         return ControlReply(
             id=request.id,
             ok=error is None,
             state=self._cell.controller.state,
-            message=message,
+            message=translated(message),
             job_id=job.job_id if job is not None else "",
             snapshot=snapshot,
             data=data,

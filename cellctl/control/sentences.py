@@ -10,7 +10,7 @@ from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
 from cellctl.control.recovery import Doubt
 from cellctl.errors import CellFault
-from cellctl.wording import REFERENCE_LANGUAGE, Line, Wording
+from cellctl.wording import Line, Wording
 
 
 class Sentences:
@@ -52,11 +52,8 @@ class Sentences:
             found = [self.wording.line("state.recalled")] if recalled else []
             return _joined([*found, own[state]()])
         if state.startswith("fault") and fault is not None and state != "fault_recovering":
-            said = self._line("state.fault", message=fault.message, hint=fault.hint)
-            if self.wording.language == REFERENCE_LANGUAGE:
-                return said
-            # Faults are written down in English, for those who mend them.
-            return said.model_copy(update={"text": self.wording.text("refused.fault")})
+            message, hint = map(self.wording.translated, (fault.message, fault.hint))
+            return self._line("state.fault", message=message, hint=hint)
         if state == "validating_confirming" and job is not None and job.plan is not None:
             return self.question(job)
         if state.startswith(("assembling", "disassembling")):
@@ -92,7 +89,8 @@ class Sentences:
             said = [self._line(key, done=job.placed, total=len(job.plan.steps))]
         if doubt is not None:
             place = self.wording.text(f"place.{doubt.believed}")
-            said.append(self._line("paused.doubt", sentence=doubt.sentence, place=place))
+            sentence = self.wording.translated(doubt.sentence)
+            said.append(self._line("paused.doubt", sentence=sentence, place=place))
             return _joined(said)
         if ledger.holding:
             said.append(self._line("paused.holding"))
@@ -129,7 +127,8 @@ class Sentences:
         if not job.note:
             other = job.shows_another
             return self._line("ask.another", question=asked.text) if other else asked
-        return self._line("ask.unchanged", why=job.note, question=asked.text)
+        why = self.wording.translated(job.note)
+        return self._line("ask.unchanged", why=why, question=asked.text)
 
     def copies_left(self, job: Job) -> int:
         """How many more of its object come after the first; none where that would be too many."""

@@ -234,10 +234,11 @@ def watched_daemon(
     config: CellConfig, folder: Path, world: SimClient, patience_s: float = PATIENCE_S
 ) -> Iterator[RunningCell]:
     """A daemon that has just begun to start, for an emulated cell that runs already."""
+    reply_s = patience_s / 9
     with (
         running_daemon(config, folder) as daemon,
-        CellClient.for_role(config) as client,
-        CellClient.for_role(config, Role.VISITOR) as visitor,
+        CellClient.for_role(config, timeout_s=reply_s) as client,
+        CellClient.for_role(config, Role.VISITOR, timeout_s=reply_s) as visitor,
     ):
         client.subscribe()
         try:

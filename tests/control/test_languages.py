@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,18 +32,22 @@ def daemon(folder: Path, **dialogue: Any) -> Iterator[Daemon]:
         made.bus.close()
 
 
-def test_a_third_language_is_a_file_in_a_folder(tmp_path: Path) -> None:
-    english = resources.files("cellctl.wording") / "en.toml"
-    document = tomllib.loads(english.read_text(encoding="utf-8"))
-    document |= {"language": "nl", "name": "Nederlands"}
-    document["state"]["starting"] = "Ik maak me klaar."
-    document["hearing"] = {
+def test_a_third_language_is_a_folder_of_files(tmp_path: Path) -> None:
+    """Copied from a packaged one, and translated a file at a time."""
+    dutch_files = tmp_path / "nl"
+    shutil.copytree(str(resources.files("cellctl.wording") / "en"), dutch_files)
+    about = {"language": "nl", "name": "Nederlands", "plural": "n != 1"}
+    talk = tomllib.loads((dutch_files / "talk.toml").read_text(encoding="utf-8"))
+    talk["state"]["starting"] = "Ik maak me klaar."
+    hearing = {
         "commands": {"yes": ["ja", "ja graag"], "stop": ["stop maar"]},
         "questions": {"can_make": ["wat kun je maken"]},
         "words": {"ik wil": "i want", "een": "a", "krukje": "stool"},
         "things": {"stool": "een krukje"},
     }
-    (tmp_path / "nl.toml").write_text(tomli_w.dumps(document), encoding="utf-8")
+    for name, document in (("about", about), ("talk", talk), ("hearing", {"hearing": hearing})):
+        content = tomli_w.dumps(document)
+        (dutch_files / f"{name}.toml").write_text(content, encoding="utf-8")
     with daemon(tmp_path, language="nl", messages_folder=str(tmp_path)) as dutch:
         assert dutch.cell.line.text == "Ik maak me klaar."
         assert dutch.cell.line.language == "nl"
@@ -56,10 +61,14 @@ def test_a_third_language_is_a_file_in_a_folder(tmp_path: Path) -> None:
         assert german.cell.sentences.wording.translated("Nothing stands in the workspace.") == (
             "Auf der Baufläche steht nichts."
         )
-        fault = CellFault("belt_jam", "The sensor saw no part.")
+        fault = CellFault("belt_jam", "The belt ran and no part came to the sensor.")
         ledger = german.builder.ledger
         told = german.cell.sentences.describe("fault_held", None, fault, None, ledger)
-        assert told.text.startswith("Es gibt eine Störung")
+        assert told.text == (
+            "An der Aufnahme kam kein Teil an, obwohl noch welche auf dem Band sein müssten. "
+            "Das Band lief, und kein Teil kam an den Sensor. Mache die Teile auf dem Band frei, "
+            "oder lege welche darauf; lösche dann die Störung und mache weiter."
+        )
 
 
 def test_a_daemon_without_words_does_not_begin(tmp_path: Path) -> None:

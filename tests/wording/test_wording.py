@@ -13,9 +13,13 @@ import tomli_w
 from cellctl.errors import ConfigError
 from cellctl.wording import REFERENCE_LANGUAGE, languages, load_wording
 
-ENGLISH = tomllib.loads(
-    (resources.files("cellctl.wording") / "en.toml").read_text(encoding="utf-8")
-)
+PACKAGED = Path(str(resources.files("cellctl.wording")))
+ENGLISH = {
+    key: value
+    for file in sorted((PACKAGED / "en").glob("*.toml"))
+    for key, value in tomllib.loads(file.read_text(encoding="utf-8")).items()
+}
+"""All tables of all files: each table of English stands in one of them."""
 
 
 def written(folder: Path, **changes: Any) -> str:
@@ -71,6 +75,21 @@ def test_an_own_file_comes_before_the_packaged_one(tmp_path: Path) -> None:
     assert load_wording("en").text("state.idle") == "What shall I build?"
 
 
+def test_a_language_is_a_file_or_a_folder_of_files(tmp_path: Path) -> None:
+    folder = written(tmp_path)
+    (tmp_path / "yy").mkdir()
+    for number, (table, value) in enumerate(ENGLISH.items()):
+        one = {table: {"language": "yy", "name": "Other"}.get(table, value)}
+        content = tomli_w.dumps(one)
+        (tmp_path / "yy" / f"{number}.toml").write_text(content, encoding="utf-8")
+    assert {"de", "en", "xx", "yy"} <= set(languages(folder))
+    assert load_wording("xx", folder).messages == load_wording("yy", folder).messages
+    twice = tmp_path / "yy" / "more.toml"
+    twice.write_text('[state]\nidle = "Again?"\n', encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"more\.toml: state\.idle stands in another file"):
+        load_wording("yy", folder)
+
+
 def test_an_unknown_language_is_refused_with_those_that_there_are(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="xx") as refused:
         load_wording("xx", str(tmp_path))
@@ -90,7 +109,7 @@ def test_an_unknown_language_is_refused_with_those_that_there_are(tmp_path: Path
         ({"place": {**ENGLISH["place"], "cell": 3}}, "must be a text"),
         ({"plural": "n !! 1"}, "is no rule"),
         ({"plural": 1}, "plural must be a text"),
-        ({"language": "yy"}, "says language = 'yy'"),
+        ({"language": "zz"}, "says language = 'zz'"),
         ({"hearing": {"yes": ["ja"]}}, "must hold tables"),
     ],
 )
@@ -99,7 +118,7 @@ def test_a_wrong_file_is_refused(tmp_path: Path, changes: dict[str, Any], said: 
     with pytest.raises(ConfigError) as refused:
         load_wording("xx", folder)
     assert said in str(refused.value)
-    assert "xx.toml" in str(refused.value)
+    assert "xx" in str(refused.value)
 
 
 @pytest.mark.parametrize(
