@@ -12,12 +12,12 @@ from cellctl.notices import NOTICES
 from cellctl.speaking.events import Began, Chime, Condition, Ended, MouthEvent, MouthSettings
 from cellctl.speaking.mouth import Mouth
 from cellctl.wording import Line, Wording
-from cellctl.wording.wording import fields_of
+from cellctl.wording.wording import WRITTEN, fields_of
 
 log = structlog.get_logger(__name__)
 
-_NEVER_SAID = ("place.", "refused.", "change.")
-"""Messages that are only shown, or that are parts of others."""
+_SELDOM_SAID = ("place.", *WRITTEN)
+"""Messages that are parts of others, or said too seldom to be made beforehand."""
 
 
 class LiveVoice:
@@ -115,5 +115,5 @@ def fixed_phrases(wording: Wording) -> list[str]:
     return [
         forms[0]
         for key, forms in wording.messages.items()
-        if not key.startswith(_NEVER_SAID) and not fields_of(forms)
+        if not key.startswith(_SELDOM_SAID) and not fields_of(forms)
     ]

@@ -14,7 +14,7 @@ from cellctl.wording.line import Line
 REFERENCE_LANGUAGE = "en"
 """The language whose file says which messages there are, and which fields each has."""
 
-_WRITTEN = (
+WRITTEN = (
     *("refused.", "design.", "plan.", "change.", "term.", "counted."),
     *("told.", "doubt.", "fault.", "detail."),
 )
@@ -145,7 +145,7 @@ class Wording:
         written = [
             (key, form)
             for key, forms in self.messages.items()
-            if key.startswith(_WRITTEN)
+            if key.startswith(WRITTEN)
             for form in forms
         ]
         written.sort(key=lambda one: (len(fields_of((one[1],))) > 0, -len(one[1])))
