@@ -8,10 +8,21 @@ from cellctl.description import FamilyDescription, PartsDescription, Solid
 from cellctl.errors import DesignError
 from cellctl.generating.describing import describe, draw, size_cells
 from cellctl.generating.families import BY_NAME
-from cellctl.generating.families.brief import Count, Flag
+from cellctl.generating.families.brief import Count, Family, Flag
 from cellctl.generating.wording import with_article
 
 _AXES: tuple[Axis, ...] = ("width", "depth", "height")
+_MEASURES = {
+    ("roof", "height"): "steepness",
+    ("neck", "length"): "neck",
+    ("neck", "height"): "neck",
+    ("tail", "length"): "tail",
+    ("tail", "height"): "tail",
+}
+"""Attributes that count a size of a part, by part and axis."""
+_MEASURED = frozenset(_MEASURES.values())
+_NEVER_SIZED = frozenset({"neck", "tail", "roof", "ear", "head", "wing", "trunk", "door", "window"})
+"""Parts whose size is not the size of the whole."""
 _FACTOR = 1.5
 """Of a description of parts, where "larger" is said without a number."""
 
@@ -63,18 +74,17 @@ def _with_attribute(
 ) -> FamilyDescription:
     """``two more tiers``, ``no back``, ``four legs``; ``longer legs`` is a size."""
     family = BY_NAME[description.family]
-    name = edit.attribute or edit.part
+    name = _attribute(edit, family)
     noun = description.noun or family.name
-    if edit.axis is not None and edit.op in ("scale", "set"):
+    if name not in family.takes and edit.part in _NEVER_SIZED:
+        raise DesignError(f"I cannot change the {edit.part} of {with_article(noun)}.", _can(family))
+    if name not in _MEASURED and edit.axis is not None and edit.op in ("scale", "set"):
         # A longer leg is a taller object; a part has no other size of its own here.
         axis: Axis = "height" if edit.axis == "length" else edit.axis
         return _with_size(description, edit.model_copy(update={"axis": axis}), config)
     known = family.takes.get(name)
     if known is None:
-        others = ", ".join(family.takes) or "nothing but its sizes"
-        raise DesignError(
-            f"I cannot change the {name} of {with_article(noun)}.", f"I can change: {others}."
-        )
+        raise DesignError(f"I cannot change the {name} of {with_article(noun)}.", _can(family))
     values = dict(draw(description, config)[1])
     match edit.op, known:
         case "set", _ if edit.value is not None:
@@ -106,6 +116,16 @@ def _with_attribute(
     return _fitting(changed, config)
 
 
+def _attribute(edit: Edit, family: Family) -> str:
+    """The attribute that an edit is about: a longer neck is a neck of more parts."""
+    measured = _MEASURES.get((edit.part, edit.axis or ""), "")
+    return measured if measured in family.takes else edit.attribute or edit.part
+
+
+def _can(family: Family) -> str:
+    return f"I can change: {', '.join(('its sizes', *family.takes))}."
+
+
 def _fitting(description: FamilyDescription, config: CellConfig) -> FamilyDescription:
     """The description, or without its stated height where that leaves no room for the rest."""
     try:
@@ -121,14 +141,31 @@ def _fitting(description: FamilyDescription, config: CellConfig) -> FamilyDescri
 
 def _with_size(description: FamilyDescription, edit: Edit, config: CellConfig) -> FamilyDescription:
     """``taller by a voxel``, ``80 cm high``, ``smaller``."""
+    if edit.axis is not None:
+        return _resized(description, edit, config)
+    # What is one part deep stays so, and a chair keeps room for its legs: as many sizes as may be.
+    refused: DesignError | None = None
+    for axes in (_AXES, ("width", "height"), ("height",), ("width",)):
+        try:
+            return _resized(description, edit, config, axes)
+        except DesignError as refusal:
+            refused = refused or refusal
+    assert refused is not None, "at least one of them was tried"
+    raise refused
+
+
+def _resized(
+    description: FamilyDescription,
+    edit: Edit,
+    config: CellConfig,
+    axes: tuple[Axis, ...] = (),
+) -> FamilyDescription:
     pitch_m = config.voxel.pitch_m
     before = dict(zip(_AXES, size_cells(draw(description, config)[0]), strict=True))
     room = dict(zip(_AXES, config.grid, strict=True))
-    if edit.axis is None:
-        axes = _AXES
-    elif edit.axis == "length":
+    if edit.axis == "length":
         axes = ("width",) if before["width"] >= before["depth"] else ("depth",)
-    else:
+    elif edit.axis is not None:
         axes = (edit.axis,)
     sizes = dict(description.size_m)
     for axis in axes:

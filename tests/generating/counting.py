@@ -70,6 +70,32 @@ def openings(cells: Cells) -> int:
     return sum(b - a > 1 for a, b in pairwise(columns))
 
 
+def back_of(cells: Cells) -> int:
+    """The height of an animal's back: that of the uppermost of its fullest layers."""
+    return max(range(size_of(cells)[2]), key=lambda z: (len(layer(cells, z)), z))
+
+
+def neck(cells: Cells) -> int:
+    """How many parts are between an animal's back and its head, which is its uppermost layer."""
+    return size_of(cells)[2] - 2 - back_of(cells)
+
+
+def tail(cells: Cells) -> int:
+    """How many parts of an animal stand up at its rear or reach beyond it, one behind another."""
+    right = max(cell.x for cell in cells)
+    above = range(back_of(cells) + 1, size_of(cells)[2])
+    if up := sum(sum(cell.x == right for cell in layer(cells, z)) == 1 for z in above):
+        return up
+    columns = [sum(cell.x == x for cell in cells) for x in range(right, -1, -1)]
+    return next(k for k, number in enumerate(columns) if number > 1)
+
+
+def eaves(cells: Cells) -> int:
+    """How many layers are as wide as the whole."""
+    width = size_of(cells)[0]
+    return sum(len({cell.x for cell in layer(cells, z)}) == width for z in range(size_of(cells)[2]))
+
+
 def rows(cells: Cells) -> tuple[str, ...]:
     """The front view, its top row first."""
     width, _, height = size_of(cells)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,17 @@ from cellctl.assembly import Attribute, Edit, Intent, Request
 from cellctl.config import load_config
 from cellctl.description import FamilyDescription, PartsDescription, SpherePart
 from cellctl.errors import DesignError
-from cellctl.generating.describing import realise
+from cellctl.generating.describing import draw, realise
 from cellctl.generating.editing import edited
-from cellctl.generating.families import FAMILIES
+from cellctl.generating.families import BY_NAME, FAMILIES
+from cellctl.generating.families.brief import Count, Flag
+from cellctl.listening.understanding.embedded import EmbeddedInterpreter
+from cellctl.listening.understanding.interpreter import DEFAULT_SETTING
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import fit
 from cellctl.validating.rules import size_of
-from tests.generating.counting import Cells, feet, from_front, tiers
+from tests.generating.counting import Cells, eaves, feet, from_front, neck, tail, tiers
+from tests.generating.test_families import COUNTERS
 
 CONFIG = load_config(Path(__file__).parents[2] / "config" / "sim.toml")
 Made = FamilyDescription | PartsDescription
@@ -134,3 +139,138 @@ def test_what_cannot_be_changed_is_said(description: Made, edit: Edit, said: str
 def test_an_edit_without_a_change_is_asked_about() -> None:
     with pytest.raises(DesignError, match="what to change"):
         edited(family("stool"), wish(), CONFIG)
+
+
+def said(description: Made, sentence: str) -> Made:
+    """A description as a visitor's sentence changes it."""
+    request = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING)
+    assert request.intent is Intent.EDIT, request.why
+    return edited(description, request, CONFIG)
+
+
+def as_designed(name: str) -> FamilyDescription:
+    return family(name, glyph="R") if "glyph" in BY_NAME[name].takes else family(name)
+
+
+FURNITURE = ("stool", "chair", "bench", "table", "desk", "coffee table", "box", "tower", "wall")
+SIZES: dict[str, tuple[int, Callable[[int], int]]] = {
+    "wider": (0, lambda cells: cells + 1),
+    "make it two blocks narrower": (0, lambda cells: cells - 2),
+    "could it be deeper": (1, lambda cells: cells + 1),
+    "make it a block taller": (2, lambda cells: cells + 1),
+    "same again but lower": (2, lambda cells: cells - 1),
+    "half that height would be better": (2, lambda cells: round(cells / 2)),
+}
+"""Index of the size that each changes, and how many cells it then has."""
+
+
+def check_size(name: str, sentence: str) -> bool:
+    """Whether a size is changed as said; what is changed less is the nearest that there can be."""
+    index, wanted = SIZES[sentence]
+    before = size_of(cells(as_designed(name)))
+    try:
+        changed = said(as_designed(name), sentence)
+    except DesignError:
+        return False
+    after = size_of(cells(changed))
+    least, most = sorted((before[index], wanted(before[index])))
+    assert after[index] != before[index]
+    assert least <= after[index] <= most, (name, sentence, before, after)
+    return after[index] == wanted(before[index])
+
+
+@pytest.mark.parametrize("sentence", SIZES)
+def test_a_spoken_change_of_size_is_in_the_cells(sentence: str) -> None:
+    made = {name for name in FURNITURE if check_size(name, sentence)}
+    assert len(made) >= 4
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", [family.name for family in FAMILIES])
+def test_each_family_is_changed_in_size_or_says_why_not(name: str) -> None:
+    for sentence in SIZES:
+        check_size(name, sentence)
+
+
+SAID_OF_COUNTS = {
+    "legs": "can we have {} legs instead of {}",
+    "tiers": "make it {} tiers, not {}",
+    "steps": "{} steps rather than {} please",
+    "drawers": "only {} drawers instead of {}",
+    "arches": "it should have {} arches instead of {}",
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "attribute"),
+    [
+        (each.name, attribute)
+        for each in FAMILIES
+        for attribute, known in each.takes.items()
+        if isinstance(known, Count) and known.most > known.least and attribute in SAID_OF_COUNTS
+    ],
+)
+def test_a_spoken_number_is_counted_in_the_cells(name: str, attribute: str) -> None:
+    before = draw(as_designed(name), CONFIG)[1][attribute]
+    assert isinstance(before, int)
+    wanted = before + 1 if before < 2 or name in ("chair", "armchair") else before - 1
+    sentence = SAID_OF_COUNTS[attribute].format(wanted, before)
+    assert COUNTERS[name, attribute](cells(said(as_designed(name), sentence))) == wanted
+
+
+@pytest.mark.parametrize(
+    ("name", "attribute"),
+    [
+        (each.name, attribute)
+        for each in FAMILIES
+        for attribute, known in each.takes.items()
+        if isinstance(known, Flag)
+    ],
+)
+def test_a_part_is_put_on_and_left_out_by_word(name: str, attribute: str) -> None:
+    there = said(family(name, **{attribute: False}), f"add {attribute.replace('back', 'a back')}")
+    absent = said(there, f"without the {attribute}")
+    assert isinstance(there, FamilyDescription)
+    assert isinstance(absent, FamilyDescription)
+    assert (there.attributes[attribute], absent.attributes[attribute]) == (True, False)
+    assert cells(there) != cells(absent)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence", "count", "number"),
+    [
+        ("shelf", "one more tier", tiers, 3),
+        ("bookcase", "one tier fewer", tiers, 2),
+        ("table", "three legs would be better", feet, 3),
+        ("house", "could the roof be steeper", eaves, 2),
+        ("giraffe", "give it a longer neck", neck, 3),
+        ("dinosaur", "make the neck shorter", neck, 2),
+        ("dog", "the tail should be longer", tail, 2),
+    ],
+)
+def test_a_spoken_change_of_a_part_is_in_the_cells(
+    name: str, sentence: str, count: Callable[[Cells], int], number: int
+) -> None:
+    assert count(cells(as_designed(name))) != number
+    assert count(cells(said(as_designed(name), sentence))) == number
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("stool", "make the seat thicker"),
+        ("tower", "could the roof be steeper"),
+        ("chair", "give it a longer neck"),
+        ("giraffe", "without the back"),
+    ],
+)
+def test_a_part_that_is_not_there_is_not_changed(name: str, sentence: str) -> None:
+    with pytest.raises(DesignError) as refusal:
+        said(as_designed(name), sentence)
+    assert "I can change: its sizes" in refusal.value.hint
+
+
+def test_smaller_leaves_what_is_one_part_deep() -> None:
+    wall = family("wall")
+    smaller = size_of(cells(said(wall, "smaller please")))
+    assert smaller == tuple(size - (size > 1) for size in size_of(cells(wall)))

@@ -22,13 +22,16 @@ from cellctl.validating.rules import pieces, size_of
 from tests.generating.counting import (
     Cells,
     at_origin,
+    eaves,
     feet,
     from_front,
     fronts,
+    neck,
     openings,
     rows,
     rungs,
     square_tiers,
+    tail,
     tiers,
     treads,
 )
@@ -58,6 +61,9 @@ COUNTERS: dict[tuple[str, str], Callable[[Cells], int]] = {
     ("desk", "drawers"): fronts,
     ("chest of drawers", "drawers"): fronts,
     ("bridge", "arches"): openings,
+    ("house", "steepness"): eaves,
+    **{(family.name, "neck"): neck for family in FAMILIES if "neck" in family.takes},
+    **{(family.name, "tail"): tail for family in FAMILIES if "tail" in family.takes},
 }
 """How each counted attribute is seen."""
 

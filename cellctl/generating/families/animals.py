@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from cellctl.generating.boxes import Box
-from cellctl.generating.families.brief import Brief, Count, Design, Family, Takes
+from cellctl.generating.families.brief import (
+    Brief,
+    Count,
+    Design,
+    Family,
+    Flag,
+    Sign,
+    Takes,
+)
 
 _DEPTH = 3
 """A leg, the gap that tells two legs apart, and a leg."""
@@ -118,12 +126,21 @@ def _maker(name: str, usual: Measures) -> Callable[[Brief], Design]:
     def animal(brief: Brief) -> Design:
         if not usual.trunk:
             brief.count("legs", 4)
-        plain = _cells(usual, usual.body, usual.legs)
+        own = replace(
+            usual,
+            neck=brief.count("neck", usual.neck) if usual.neck else 0,
+            tail_length=brief.count("tail", usual.tail_length) if usual.tail != "none" else 0,
+        )
+        plain = _cells(own, own.body, own.legs)
         extents = [max(c[axis] for c in plain) + 1 for axis in range(3)]
         width, _, height = brief.size(extents[0], _DEPTH, extents[2], least=(3, 3, 2))
-        body = max(2, usual.body + width - extents[0])
-        legs = max(1, usual.legs + height - extents[2])
-        boxes = tuple(Box(*cell, 1, 1, 1) for cell in sorted(_cells(usual, body, legs)))
+        if extents[2] - own.legs + 1 > brief.grid[2]:
+            raise brief.refuse_short("so long a neck", brief.grid[2])
+        if extents[0] - own.body + 2 > brief.grid[0]:
+            raise brief.refuse_short("so long a tail", brief.grid[2])
+        body = max(2, own.body + width - extents[0])
+        legs = max(1, own.legs + height - extents[2])
+        boxes = tuple(Box(*cell, 1, 1, 1) for cell in sorted(_cells(own, body, legs)))
         return Design(brief.noun or name, boxes)
 
     animal.__doc__ = f"A {name}, seen from its side."
@@ -201,7 +218,14 @@ def _tail(it: Measures, body: int, top: int) -> set[tuple[int, int, int]]:
 
 def _takes(measures: Measures) -> Takes:
     """An elephant's trunk reaches the floor, so that its legs cannot be counted there."""
-    return {} if measures.trunk else {"legs": Count(4, 4, "It stands on four.")}
+    takes: dict[str, Count | Flag | Sign] = {}
+    if not measures.trunk:
+        takes["legs"] = Count(4, 4, "It stands on four.")
+    if measures.neck:
+        takes["neck"] = Count(1, 4, "Height of its neck in parts.")
+    if measures.tail != "none":
+        takes["tail"] = Count(1, 3, "Length of its tail in parts.")
+    return takes
 
 
 FAMILIES = tuple(

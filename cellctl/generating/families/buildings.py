@@ -105,24 +105,33 @@ def pyramid(brief: Brief) -> Design:
 def house(brief: Brief) -> Design:
     """Four walls with a door, a gable roof that overhangs them, and a chimney where asked for."""
     chimney = brief.flag("chimney", False)
-    width, depth, height = brief.size(5, 3, 5, least=(5, 3, 4))
+    steep = brief.count("steepness", 1)
+    wanted = min(brief.stated_cells.get("width", 5), brief.grid[0])
+    highest = (max(5, wanted) // 2) * steep + 1
+    width, depth, height = brief.size(5, 3, max(5, highest + 1), least=(5, 3, highest + 1))
+    if height < highest + 1:
+        raise brief.refuse_short("so steep a roof", brief.grid[2])
     gable = width // 2 + 1
-    walls = max(1, height - gable)
+    walls = height - highest
     door = width // 2
     opening = range(min(2, walls))
     rooms = without(ring(1, 0, 0, width - 2, depth, walls), [(door, 0, z) for z in opening])
-    gables = [Box(k, 0, walls + k, width - 2 * k, depth, 1) for k in range(gable)]
+    gables = [
+        Box(k, 0, walls + k * steep, width - 2 * k, depth, steep if k < gable - 1 else 1)
+        for k in range(gable)
+    ]
     # Hollow below the ridge, for what nobody sees is not worth its parts.
     loft = [
-        (x, y, walls + k)
-        for k in range(gable - 1)
+        (x, y, walls + z)
+        for z in range((gable - 1) * steep)
         for y in range(1, depth - 1)
-        for x in range(k + 2, width - k - 2)
+        for x in range(z // steep + 2, width - z // steep - 2)
     ]
     roof = without(gables, loft)
-    top = walls + gable - 1
+    top = walls + highest - 1
     stack = (Box(door + 1, depth - 1, top, 1, 1, 1),) if chimney else ()
-    return Design(titled(brief.noun, "a chimney" if chimney else ""), (*rooms, *roof, *stack))
+    title = titled(brief.noun, "a steep roof" if steep > 1 else "", "a chimney" if chimney else "")
+    return Design(title, (*rooms, *roof, *stack))
 
 
 def castle(brief: Brief) -> Design:
@@ -186,7 +195,10 @@ FAMILIES = (
             "shelter",
         ),
         house,
-        {"chimney": Flag("A chimney on the roof.")},
+        {
+            "chimney": Flag("A chimney on the roof."),
+            "steepness": Count(1, 2, "How far its roof rises at each step inwards."),
+        },
     ),
     Family("cross", ("cross", "crucifix"), cross),
 )

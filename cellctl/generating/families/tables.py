@@ -40,6 +40,8 @@ def desk(brief: Brief) -> Design:
     Drawers are a stack in the place of the right panel, each with a handle that stands out.
     """
     drawers = brief.count("drawers", 0)
+    if drawers and brief.attributes.get("legs") == 0:
+        del brief.attributes["legs"]  # it stood on panels before it was given drawers
     legs = brief.count("legs", 2 if drawers else 0)
     if drawers:
         return _desk_with_drawers(brief, drawers, legs)
