@@ -1,6 +1,6 @@
 """How well requests are understood: ``python -m benchmarks.requests [--verbose]``.
 
-Reads four sets and prints how often the embedded back end is right, how long it takes for a
+Reads six sets and prints how often the embedded back end is right, how long it takes for a
 sentence, and what memory the process has:
 
 - ``$CELLCTL_TEST_DATA/requests/dev.jsonl``: sentences with gold answers, by split; the decision
@@ -9,8 +9,11 @@ sentence, and what memory the process has:
 - ``sentences/wishes.txt``: plain wishes for objects, each with the phrases that are right for it.
 
 - ``sentences/unseen.txt``: sentences of every kind with intent and right phrases.
+- ``sentences/visitors_*.jsonl``: what families, carpenters, children, teachers and people whose
+  English is not their first say and how recognisers hear it, with gold answers.
+- ``sentences/chatter.txt``: what visitors say to each other, each with a thing in it.
 
-Of the middle two every second sentence ("held out") was left unseen until the rules stood.
+Every second wish and everyday sentence ("held out") was left unseen until the rules stood.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
-from cellctl.assembly import Intent, Request
+from cellctl.assembly import Edit, Intent, Request
 from cellctl.listening.understanding.embedded import EmbeddedInterpreter
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING
 
@@ -140,6 +143,43 @@ def unseen(verbose: bool) -> None:
     sys.stdout.write(f"unseen, {total} of every kind: {figures}\n")
 
 
+def visitors(verbose: bool) -> None:
+    """Each set of visitors' sentences with gold answers, and the chatter that wants nothing."""
+    for path in sorted(SENTENCES.glob("visitors_*.jsonl")):
+        right: Counter[str] = Counter()
+        total: Counter[str] = Counter()
+        for line in path.read_text(encoding="utf-8").splitlines():
+            gold = json.loads(line)
+            request = understand(gold["text"])
+            verdict = judge(gold, request)
+            if "edit" in gold:
+                verdict["edit"] = any(_is_edit(edit, gold["edit"]) for edit in request.edits)
+            total.update(verdict.keys())
+            right.update(aspect for aspect, good in verdict.items() if good)
+            if verbose and not all(verdict.values()):
+                misses = ", ".join(aspect for aspect, good in verdict.items() if not good)
+                found = f"{request.intent.value}, {request.phrase!r}; {request.why}"
+                sys.stdout.write(f"{gold['text']!r}: {misses} wrong: {found}\n")
+        figures = ", ".join(f"{a} {100 * right[a] / total[a]:.0f} %" for a in total)
+        sys.stdout.write(f"{path.stem}, {total['intent']}: {figures}\n")
+    chatter = _lines("chatter.txt")
+    taken = [text for text in chatter if understand(text).intent is Intent.DESIGN]
+    sys.stdout.write(f"chatter: {len(taken)}/{len(chatter)} taken for a wish\n")
+    if verbose:
+        sys.stdout.write("".join(f"{text!r}: taken for a wish\n" for text in taken))
+
+
+def _is_edit(edit: Edit, gold: dict[str, str]) -> bool:
+    """Whether an edit is what the gold answer says of it; ``length`` is along the longer side."""
+    found: dict[str, set[str | None]] = {
+        "op": {edit.op},
+        "part": {edit.part, edit.attribute, f"{edit.part}s"},
+        "axis": {edit.axis, "width" if edit.axis == "length" else edit.axis},
+        "dir": {edit.direction},
+    }
+    return all(value in found[key] for key, value in gold.items())
+
+
 def _lines(pattern: str) -> list[str]:
     texts = [path.read_text(encoding="utf-8") for path in sorted(SENTENCES.glob(pattern))]
     return [line.strip() for text in texts for line in text.splitlines() if line.strip()]
@@ -187,6 +227,7 @@ def main() -> int:
     everyday(options.verbose)
     wishes(options.verbose)
     unseen(options.verbose)
+    visitors(options.verbose)
     ordered = sorted(_times_s)
     sys.stdout.write(
         f"{len(ordered)} sentences: median {1e3 * statistics.median(ordered):.2f} ms, "

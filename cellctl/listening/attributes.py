@@ -10,13 +10,16 @@ from cellctl.listening.numbers import read_number
 
 Attributes = dict[str, int | str | bool]
 
-_SWITCHED = frozenset({"back", "arms", "lid"})
+_SWITCHED = frozenset({"back", "arms", "lid", "chimney"})
 """Parts that are there or not; the others are counted."""
 _LACKING = frozenset({"no", "without"})
 _LESS = re.compile(r"(back|arm|lid|leg)less")
+_SINGLE = re.compile(
+    r"(?:with|on|and|has|having) (?:an?|only|just an?|only an?|the)(?: (?!(?:an?|the)\b)\w+){0,2}$"
+)
 _LEGGED = frozenset({"legged", "footed"})
 _TIERED = frozenset({"tiered", "level", "leveled", "levelled"})
-_GLYPH_NOUNS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+GLYPH_NOUNS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
 
 
 def read_attributes(words: Sequence[str], head: str) -> Attributes:
@@ -31,8 +34,7 @@ def read_attributes(words: Sequence[str], head: str) -> Attributes:
         if (number := read_number(words, index)) is not None:
             _counted(words, number, head, found)
         part = LEXICON.parts.get(singular(word))
-        before = words[max(0, index - 2) : index]
-        if list(before) in (["with", "a"], ["on", "a"], ["and", "a"], ["with", "only"]):
+        if part is not None and _SINGLE.search(" ".join(words[max(0, index - 4) : index])):
             _single(word, part, found)
         if part in _SWITCHED and singular(word) != head and _names_a_part(words, index):
             # "no back", "without a back"
@@ -40,6 +42,8 @@ def read_attributes(words: Sequence[str], head: str) -> Attributes:
         if match := _LESS.fullmatch(word):
             name = LEXICON.parts[match[1]]
             found[name] = False if name in _SWITCHED else 0
+        if word == "steep" and list(words[index + 1 : index + 2]) == ["roof"]:
+            found["steepness"] = 2
         if word in LEXICON.colours:
             found["colour"] = word
     if (glyph := read_glyph(words)) is not None:
@@ -51,7 +55,7 @@ def read_glyph(words: Sequence[str]) -> str | None:
     """The letter or digit of ``letter t``, ``capital r``, ``number seven``; upper case."""
     for index in range(len(words) - 1):
         name = words[index + 1]
-        if words[index] not in _GLYPH_NOUNS:
+        if words[index] not in GLYPH_NOUNS:
             continue
         if len(name) == 1 and name.isalnum():
             return name.upper()

@@ -33,6 +33,7 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("abort the build", "abort the job", "forget it", "forget that", "forget about it"),
         *("forget about that", "no forget it", "scrap it", "scrap that", "never mind"),
         *("nevermind", "start over", "start again", "start from scratch", "i changed my mind"),
+        *("start again from scratch", "start all over again", "start from the beginning"),
     ),
     "yes": (
         *("yes", "yeah", "yep", "yup", "sure", "okay", "ok", "of course", "correct", "do it"),
@@ -41,13 +42,41 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("sounds great", "looks great", "looks perfect", "looks fine", "sounds perfect"),
         *("it looks good", "it looks great", "please do", "sure thing", "confirm", "confirmed"),
         *("affirmative", "let's do it", "make it so", "start building", "build that"),
-        *("do that", "okay go", "i'm sure"),
+        *("do that", "okay go", "i'm sure", "that'll do", "that will do", "that'll do nicely"),
+        *("that'll be fine", "that will be fine", "i like it", "i like that", "that works"),
+        *("that's exactly what i wanted", "that's what i wanted", "exactly", "exactly like that"),
+        *(
+            "let's do that one",
+            "let's take that one",
+            "i'll take it",
+            "we'll take it",
+            "go on then",
+        ),
+        *(
+            "sounds lovely",
+            "looks lovely",
+            "lovely",
+            "brilliant",
+            "that's lovely",
+            "that one please",
+            "you can start",
+            "you can begin",
+            "you may start",
+        ),
     ),
     "no": (
         *("no", "nope", "nah", "no thanks", "no thank you", "don't", "do not", "don't do it"),
         *("don't build it", "don't do that", "no don't", "no don't do it", "no don't build it"),
         *("absolutely not", "definitely not", "of course not", "no way", "i'd rather not"),
-        *("rather not", "let's not", "not that", "no not that", "not that one", "that's wrong"),
+        *(
+            "i don't think so",
+            "rather not",
+            "let's not",
+            "not that",
+            "no not that",
+            "not that one",
+            "that's wrong",
+        ),
         *("no that's wrong", "that's not right", "no that's not right", "that's not it"),
         *("that's not what i said", "that's not what i want", "that's not what i meant"),
         *("i don't want that", "negative", "leave it", "no leave it", "nah leave it", "skip it"),
@@ -59,7 +88,13 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
     ),
     "repeat": (
         *("say that again", "say it again", "repeat", "repeat that", "what did you say", "pardon"),
-        *("what was that", "come again", "i didn't hear you", "i didn't hear that"),
+        *(
+            "what was that",
+            "what was that again",
+            "come again",
+            "i didn't hear you",
+            "i didn't hear that",
+        ),
         *("i didn't catch that", "i didn't understand that"),
     ),
     "again": (
@@ -69,6 +104,7 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
     "another": (
         *("show me another", "show me another one", "show another", "show me a different one"),
         *("give me another", "give me another one", "try another", "try another one", "try again"),
+        *("try a different one", "try a different design", "give me a different one"),
         *("something different", "something else", "show me something else", "a different one"),
         *("show me something different", "try something else", "try something different"),
         *("not like that", "not like this", "no not like that", "no something else"),
@@ -87,17 +123,35 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}
 _POLITE = frozenset(
     {"please", "now", "right", "robot", "hey", "um", "uh", "immediately", "ok", "okay", "oh",
-     "just", "well", "then", "yes", "yeah", "yep", "sure", "alright", "actually", "so"}
+     "just", "well", "then", "yes", "yeah", "yep", "sure", "alright", "actually", "so", "sorry",
+     "hmm", "hm", "er", "erm", "mm", "ah"}
 )  # fmt: skip
 """Words that change nothing when they stand before or after a control word."""
 _AGREEING = frozenset({"yes", "yeah", "yep", "sure", "ok", "okay", "alright"})
+_REFUSING = frozenset({"no", "nope", "nah"})
 _YES = frozenset({"yes", "yeah", "yep", "yup"})
-_GO = frozenset({"go ahead", "do it", "build it", "start building", "please do"})
+_GO = frozenset(
+    {
+        "go ahead",
+        "go on",
+        "go on then",
+        "do it please",
+        "do it",
+        "build it",
+        "start building",
+        "please do",
+    }
+)
 _WARNING = frozenset({"no", "oh", "hey", "wait", "whoa", "ah"})
 _ASKED = re.compile(
     r"^(?:(?:can|could|would|will) you(?: please)?|i said|i want you to|let's|all right|"
     r"you (?:can|should|must|have to|need to))(?= )"
 )
+_MOST_WORDS_IN_PIECES = 12
+_THANKS = frozenset({"thanks", "thank you", "cheers", "thank you very much", "thanks a lot"})
+_TOGETHER = {frozenset({"yes", "resume"}): "yes", frozenset({"no", "cancel"}): "cancel"}
+"""What commands mean that are said in one breath; others contradict each other."""
+_TO_US = re.compile(r"\b(show|give|help) us ")
 _BRIEFLY = re.compile(r" for (?:a|one) (?:moment|second|minute|bit|while)$| a (?:moment|second|"
                       r"minute|bit)$")  # fmt: skip
 
@@ -141,8 +195,9 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
         One of ``stop``, ``pause``, ``resume``, ``cancel``, ``yes``, ``no``, ``take_apart``,
         ``repeat``, ``again``, ``another`` and ``help``, or what else ``own`` knows.
     """
-    said, polite = plain(text), _POLITE | own.polite
-    for sentence in (said, _unasked(said)):
+    said, polite = _TO_US.sub(r"\1 me ", plain(text)), _POLITE | own.polite
+    leading = " ".join(itertools.dropwhile(polite.__contains__, said.split()))
+    for sentence in (said, _unasked(said), _unasked(leading)):
         words = sentence.split()
         while words and words[0] in polite:
             words = words[1:]
@@ -153,7 +208,31 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
         for one in (sentence, " ".join(words)):
             if (name := own.sentences.get(one) or _BY_SENTENCE.get(one)) is not None:
                 return name
-    return _with_more(said.split())
+    return (
+        _with_more(said.split())
+        or _with_more(leading.split())
+        or _in_pieces(said.split(), own.sentences, polite)
+    )
+
+
+def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str]) -> str | None:
+    """The command of which a sentence says several ways: "cancel please i changed my mind"."""
+    if len(words) > _MOST_WORDS_IN_PIECES:
+        return None
+    # What the first so many words are; None where they are not all commands and polite words.
+    found: list[frozenset[str] | None] = [frozenset()]
+    for end in range(1, len(words) + 1):
+        found.append(None)
+        for start in range(end):
+            before, piece = found[start], " ".join(words[start:end])
+            name = own.get(piece) or _BY_SENTENCE.get(piece)
+            if before is not None and (name or piece in polite | _THANKS):
+                found[end] = before | ({name} if name else frozenset())
+                break
+    names = found[-1] or frozenset()
+    if len(names) > 1:
+        return next((meant for group, meant in _TOGETHER.items() if names <= group), None)
+    return next(iter(names), None)
 
 
 def _with_more(words: list[str]) -> str | None:
@@ -166,6 +245,10 @@ def _with_more(words: list[str]) -> str | None:
         name = _BY_SENTENCE.get(rest)
         if name in ("stop", "pause"):
             return name
+    if first in _REFUSING and _BY_SENTENCE.get(" ".join(words[1:])) == "no":
+        return "no"
+    if _BY_SENTENCE.get(" ".join(words[:2])) == "yes" and " ".join(words[2:]) in _GO:
+        return "yes"
     if first not in _AGREEING:
         return None
     # "yes please", "sure okay": polite words alone, of which the first agrees.

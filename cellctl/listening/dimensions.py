@@ -78,6 +78,10 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
     if list(words[end : end + 3]) == ["and", "a", "half"]:
         values[-1] += 0.5
         end += 3
+    elif unit_m == 1.0 and (more := read_number(words, end)) is not None and _is_rest(words, more):
+        # "a metre twenty"
+        values[-1] += more[0] / 100
+        end = more[1]
     if len(values) > 1:
         for axis, value in zip(_TRIPLE, values, strict=False):
             _store(sizes, axis, value * unit_m, source)
@@ -86,6 +90,13 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
         _store(sizes, said or "height", values[0] * unit_m, source if said else "axis_assumed")
     sizes.spans.append((start, end))
     return end
+
+
+def _is_rest(words: Sequence[str], number: tuple[float, int]) -> bool:
+    """Whether a number after metres counts the centimetres: ``a metre twenty``, with no unit."""
+    value, end = number
+    following = words[end] if end < len(words) else ""
+    return 10 <= value < 100 and (following in _AXES or following in ("", "and", "with", "by"))
 
 
 def _number(words: Sequence[str], start: int) -> tuple[float, int] | None:

@@ -6,10 +6,11 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from cellctl.listening.lexicon import LEXICON
+from cellctl.listening.lexicon import LEXICON, singular
 
 _UP = (
-    "put together|come up with|put up|(?:whip|knock|rustle) up|throw together|"
+    "put together|come up with|put up|(?:whip|knock|rustle) up|(?:throw|knock|bang) together|"
+    "(?:put|throw|knock|bang|whip|rustle) (?:me|us|him|her|them) (?:together|up)|"
     "(?:try your hand|have a go) at"
 )
 _MAKE = f"(?:{'|'.join(sorted(LEXICON.verbs))}|{_UP}|three d print|3 d print)"
@@ -18,24 +19,43 @@ _FOR_ME = (
     r"(?: for (?:me|us|him|her|them|my \w+|our \w+))?(?: please)?"
     r"(?: (?:me|us|him|her|them|yourself|up))?"
 )
-_MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
-_WHO = (
-    r"(?:i|we|you|they|he|she|(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
-    r"mommy|daddy|mum|mom|dad|grandma|grandpa|granny|somebody|someone)"
+MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
+WHO = (
+    r"(?:i|we|you(?! ?(?:'d|would|need|want|might)\b)|they|he|she|me(?= wants?\b)|"
+    r"one(?= (?:needs|wants)\b)|"
+    r"(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
+    r"mommy|daddy|mum|mom|dad|grandma|grandpa|granddad|granny|somebody|someone)"
 )
-_WANT = (
-    r"(?:would (?:really |just )?(?:like|love|prefer|want|enjoy)|"
-    r"'d (?:really )?(?:like|love|prefer|enjoy)|"
+WANT = (
+    r"(?:would (?:really |just |quite |rather |so |very much )?(?:like|love|prefer|want|enjoy)|"
+    r"'d (?:really |just |quite |rather |so |very much )?(?:like|love|prefer|enjoy|want|need|"
+    r"better (?:have|get))|"
+    r"(?:am|are|is|'m|'re|'s) (?:needing|wanting|wishing(?: for)?|requiring)|would need|"
     r"want|wants|wanted|need|needs|needed|wish for|"
     r"could (?:really )?(?:use|do with)|demand|demands|"
     r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
 )
-_GET = r"(?:get|give|bring|fetch|hand|lend|show|grant)"
-_POLITE = (
-    r"(?:can|could|would|will|won't|can't|couldn't) (?:you|the robot(?: arm)?)(?: please)?"
+_GET = r"(?:get|give to|give|bring|fetch|hand|lend|show|grant)"
+POLITE = (
+    r"(?:can|could|would|will|won't|can't|couldn't) (?:you|(?:the|your|this|that) (?:robot|"
+    r"machine|thing)"
+    r"(?: arm)?)(?: please)?"
     r"(?: just| maybe| possibly)?"
 )
-_NICE = "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing)"
+_NICE = (
+    "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing|welcome|ideal|"
+    "fine|brilliant|fantastic|wonderful|super|helpful|appreciated)"
+)
+WOULD_DO = (
+    rf"(?:would|will|might) (?:(?:be|look|make)(?: \w+)?? {_NICE}|do|help|suffice|suit|come in|"
+    r"go down|hit the spot)|it (?:is|shall be|will be)|it'll be"
+)
+_STOCKED = (
+    r"(?= an? (?:\w+ ){0,3}?(?:stool|chair|armchair|bench|sofa|desk|shelf|bookshelf|bookcase|"
+    r"cabinet|"
+    r"cupboard|rack|dresser|wardrobe|throne|nightstand|(?:\w+ )(?:table|stand|bed)|footstool)\b)"
+)
+"""What a shop may be asked whether it has; a dog or a minute is not meant to be built."""
 _LEADS = re.compile(
     rf"(?:(?:you know what (?:would|could) be (?:really |so )?{_NICE}|let me think|not sure|"
     r"right(?= (?:an?|the|so|let|i|we|can|could)\b)|"
@@ -52,8 +72,10 @@ _LEADS = re.compile(
     r"i (?:would|'d) (?:be happy|be glad|appreciate it|love it) if|i'd (?:be happy|be glad|"
     r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if"
     r"(?= i\b| we\b)|"
+    r"(?:\w+|(?:my|our|the|his|her) \w+) says (?=(?:he|she|they)\b)|"
+    r"i bet (?:that )?you (?:can't|couldn't|cannot|could never)(?= )|do you know how to|"
     r"do you think|(?:would|is) it (?:be )?possible(?: for you)?(?= to\b)|"
-    r"is there (?:any|a) way(?: you could|"
+    r"is there (?:any|a) way(?:(?: that)? you (?:could|can)|"
     r"(?= to\b))|are you able(?= to\b)|do you mind|go ahead and|try (?:to|and)|start by|"
     r"i (?:want|need|would like|'d like) you to (?:try to|please|go ahead and)(?= )|just|"
     r"to) )+"
@@ -69,37 +91,68 @@ _FRAMES = _frames(
     # "I want you to build", "my daughter wants", "we would like to have".
     (
         "making",
-        rf"{_WHO} ?{_WANT}(?: you| the robot| the machine)?(?: please)? to (?:please |just )?"
-        rf"{_MAKES}",
+        rf"{WHO} ?{WANT}(?: you| the robot| the machine)?(?: please)? to (?:please |just )?"
+        rf"{MAKES}",
     ),
-    ("having", rf"{_WHO} ?{_WANT} to (?:have|order|get|own)"),
-    ("having", rf"{_WHO} ?(?:would like|would love|'d like|'d love|wants?) to see(?= an? )"),
-    ("having", rf"{_WHO} ?(?:asks|asked|(?:was|were) (?:asking|hoping|longing)) for(?= an? )"),
-    ("having", rf"{_WHO} ?(?:would|'d) be (?:happy|glad|pleased|delighted) with"),
+    ("making", rf"{WHO} ?{WANT} that you {MAKES}"),
+    ("having", rf"{WHO} ?{WANT}(?: to)? (?:have|order|get|own)"),
+    ("having", rf"{WHO} ?{WANT} (?:it|that|this) to be(?= an? )"),
+    ("having", r"(?:i|we) ?(?:will|'ll|would|'d) go (?:for|with)(?= the )"),
+    ("having", rf"{WHO} ?(?:would like|would love|'d like|'d love|wants?) to see(?= an? )"),
+    ("having", rf"{WHO} ?(?:asks|asked|(?:was|were) (?:asking|hoping|longing)) for(?= an? )"),
+    ("having", rf"{WHO} ?(?:would|'d) be (?:happy|glad|pleased|delighted) with"),
     ("having", r"surprise (?:me|us|my \w+|our \w+|them) with"),
     ("having", r"(?:it's |it is )?(?:high )?time for(?= an? )"),
-    ("having", rf"{_WHO} ?{_WANT}(?! to\b| you\b| it\b| that\b| this\b)"),
+    ("having", rf"{WHO} ?{WANT}(?! to\b| you\b| it\b| that\b| this\b)"),
     ("having", r"i feel like(?: having)?"),
-    ("having", rf"{_WHO} ?{_WANT} to (?:place|make) an order for"),
+    ("having", rf"{WHO} ?{WANT} to (?:place|make) an order for"),
     ("having", r"(?:can|could|may|might) (?:i|we) (?:trouble|bother) you for"),
     ("having", r"(?:i am|i'm|we are|we're) in (?:\w+ )?need of"),
     ("having", r"(?:i|we) wish (?:i|we) had"),
-    ("making", rf"would you be (?:so )?(?:kind|good|nice)(?: enough)?(?: as)? to {_MAKES}"),
+    ("making", rf"would you be (?:so )?(?:kind|good|nice)(?: enough)?(?: as)? to {MAKES}"),
     ("having", r"(?:all|what) (?:i|we)(?: really)?(?: want| need| would like|'d like) is"),
     ("having", r"what (?:i'm|i am|we're|we are)(?: really)? (?:after|looking for) is"),
     ("having", r"(?:gimme|show (?:me|us) what you can do with)"),
-    ("having", r"(?:(?:can|could) you|you (?:can|could)) manage(?= an? )"),
+    ("having", r"(?:(?:can|could|might) you|you (?:can|could|might)) manage(?= an? )"),
+    ("making", rf"(?:(?:is|would) it (?:be )?possible(?: that)? )you (?:could |can )?{MAKES}"),
+    ("making", rf"(?:can|could|will|would) you to {MAKES}"),
+    ("making", rf"(?:can|could|will|would) (?:it|this|that|this thing|he|she) (?:do|"
+               rf"{MAKES})(?= an? )"),
+    ("making", rf"you (?:please )?{MAKES}(?= (?:an?|one|the) )"),
+    ("having", rf"(?:do you (?:have|do|make|sell)|have you(?: got)?)(?: any(?:thing "
+               rf"like)?)?{_STOCKED}"),
+    ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:see|try)(?= an? | the "
+               r"(?:letter|number))"),
+    ("having", r"(?:i|we|you) (?:could|can|might) (?:try|do)(?: like)?(?= an? )"),
+    ("having", r"(?:what )?if (?:i|we) (?:asked|wanted|said)(?: you)?(?: for)?(?= an? )"),
+    ("having", r"(?:i|we)(?:'ve| have)? came?(?: here)? (?:for|to (?:see|get))(?= an? )"),
+    ("having", r"put (?:me|us|him|her) down for"),
+    (
+        "having",
+        rf"{WHO}(?: all)?(?: have|'ve| has)? (?:voted for|decided on|settled on|opted for|"
+        rf"agreed on|"
+        r"went for)(?= an? | the )",
+    ),
+    ("having", r"(?:let's |let us )?ask (?:(?:it|him|her|them|the \w+) )?for(?= an? | the "
+               r"(?:letter|number))"),
+    ("making", rf"(?:ask|tell|get) (?:it|him|her|the (?:robot|machine)) to {MAKES}"),
+    ("having", r"show (?:me|us|them|him|her|(?:the|my|our) \w+) what(?= an? .+ looks? like$)"),
+    ("making", r"do(?: (?:me|us))?(?= an? (?!favou?r))"),
     (
         "making",
-        rf"{_WHO} (?:am|are|is|was|were) (?:asking|wondering) (?:if|whether) you"
-        rf"(?:'d| would| could| can) {_MAKES}",
+        rf"{WHO} (?:am|are|is|was|were) (?:asking|wondering) (?:if|whether) you"
+        rf"(?:'d| would| could| can) {MAKES}",
     ),
-    ("making", rf"{_POLITE} {_MAKES}"),
-    ("making", rf"(?:you (?:could|can|should|must|may)|(?:could|can) we) {_MAKES}"),
-    ("having", rf"{_POLITE} {_GET}(?: me| us)?"),
+    ("making", rf"{POLITE} {MAKES}"),
+    ("making", rf"(?:you (?:could|can|should|must|may)|(?:could|can) we) {MAKES}"),
+    (
+        "having",
+        rf"{POLITE} show (?:me|us|them|him|her|(?:the|my|our) \w+) what(?= an? .+ looks? like$)",
+    ),
+    ("having", rf"{POLITE} {_GET}(?: me| us)?"),
     ("having", r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get)"),
-    ("making", rf"{_POLITE} do(?= an? | the (?:letter|number))"),
-    ("making", rf"(?:can|could|may|might) (?:i|we) (?:have|get|ask) you to {_MAKES}"),
+    ("making", rf"{POLITE} do(?: (?:me|us|him|her))?(?= an? | the (?:letter|number))"),
+    ("making", rf"(?:can|could|may|might) (?:i|we) (?:have|get|ask) you to {MAKES}"),
     ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:have|get|request|order|ask for)"),
     ("making", rf"(?:would|do) you mind {_MAKING}{_FOR_ME}"),
     ("making", rf"(?:start|begin|try|consider) {_MAKING}{_FOR_ME}"),
@@ -109,8 +162,8 @@ _FRAMES = _frames(
         r"(?:let me|let us|let's) (?:have(?: a go at)?|get|see|try|do|go (?:with|for))"
         r"(?= an? | the (?:letter|number))",
     ),
-    ("making", rf"(?:let me|let us|let's) (?:try to )?{_MAKES}"),
-    ("making", rf"(?:let me|let us|let's) (?:have|get) you to {_MAKES}"),
+    ("making", rf"(?:let me|let us|let's) (?:try to )?{MAKES}"),
+    ("making", rf"(?:let me|let us|let's) (?:have|get) you to {MAKES}"),
     ("having", r"(?:i am|i'm|we are|we're|we|i) (?:looking for|after)"),
     (
         "having",
@@ -125,20 +178,21 @@ _FRAMES = _frames(
         rf"(?:it would|it'd) be {_NICE} if you (?:could |would )?(?:made|built|created|{_MAKE})"
         rf"{_FOR_ME}",
     ),
-    ("having", rf"{_WHO} (?:have|has|'ve) (?:always |been )?(?:wanted|wanting|needing)"),
+    ("having", rf"{WHO} (?:have|has|'ve) (?:always |been )?(?:wanted|wanting|needing)"),
     ("having", r"(?:i've|we've) (?:always |been )?(?:wanted|wanting|needing|dreaming of)"),
-    ("having", rf"{_WHO} (?:am|are|is) (?:begging|asking|longing|hoping|wishing|missing)(?: for)?"),
+    ("having", rf"{WHO} (?:am|are|is) (?:begging|asking|longing|hoping|wishing|missing)(?: for)?"),
     ("having", r"(?:we're|i'm) (?:begging for|asking for|longing for|missing)"),
     ("having", r"(?:let's |let us )?(?:start|begin) with(?= an? | the )"),
     ("having", r"(?:i am|i'm) (?:in need of|in the mood for|craving|dying for)"),
     ("having", r"(?:i|we) ?(?:will|'ll|would|'d) (?:have|take|go (?:with|for))(?= an? )"),
     ("having", r"show (?:me|us)(?= an? )"),
-    ("having", r"(?:get|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
+    ("having", r"(?:get|give to|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
-    ("making", rf"{_MAKES}"),
+    ("making", rf"{MAKES}"),
 )  # fmt: skip
 _QUESTION_FRAMES = re.compile(
-    r"(?:is|are|am|do|does|did|was|were|have|has|had|should|shall|isn't|aren't|don't|doesn't|didn't|"
+    r"(?:is|are|am|do|does|did|was|were|have|has|had|should|shall|isn't|aren't|don't|doesn't|"
+    r"didn't|"
     r"can|could|may|will|would|won't|might) "
     r"(?:you|it|there|this|that|these|those|i|we|he|she|they|the|a|an|my|your|his|her|our|kids|"
     r"anyone|anybody|somebody|someone)\b"
@@ -149,8 +203,12 @@ _RETELLS = re.compile(
     r"feel)\w+"
 )
 _NICE_TO_HAVE = re.compile(
-    rf"(?P<wish>(?:an?|some|two|three) .+) would (?:be|look) (?:so |really |very )?{_NICE}(?: .+)?"
+    rf"(?P<wish>(?:an?|some|two|three|any(?: old)?) .+?) (?:{WOULD_DO})(?: .+)?"
 )
+_KIND_OF = re.compile(r"^(?:some|an?|any) (?:kind|sort|type) of (?:an? )?(?!\w+ (?:thing|place)\b)")
+_THE = re.compile(r"^the (?!letter|number)")
+_LOOKS_LIKE = re.compile(r" looks? like$")
+_ANY = re.compile(r"^any(?: old)? ")
 _ONE_OF = re.compile(r"^(?:like an? |one of (?:those|these|the|your) )")
 _AS_CAN_BE = re.compile(
     r"as (?P<size>\w+) (?P<thing>an? .+?) as (?:possible|can be|it gets|(?:you|we|it) .+)"
@@ -177,20 +235,6 @@ _LIKENESS = re.compile(
 
 
 _POSSIBLE = re.compile(r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get) ")
-_LATER = re.compile(
-    r"\b(?:(?:can|could|would|will) you (?:please )?(?:make|build|create|design|assemble) |"
-    r"(?:i|we)(?: really)?(?: want| need|'d like| would like| could (?:really )?(?:use|do with)) "
-    r"(?=(?:an?|some|two|three|another) )|"
-    r"(?:so |then |and |please )?(?:make|build|create|assemble) (?:me |us )?(?=(?:an?|two|three) ))"
-)
-_GOVERNS = frozenset(
-    {"to", "how", "if", "that", "when", "where", "what", "why", "who", "said", "says", "not", "no",
-     "don't", "didn't", "can't", "won't", "never", "you", "i", "we", "they", "he", "she", "it",
-     "do", "does", "did", "can", "could", "would", "should", "will", "think", "know", "whether",
-     "because", "helped", "watched", "saw", "let", "robots", "people", "a", "an", "the", "or",
-     "until", "before", "after", "while", "unless", "things", "thing"}
-)  # fmt: skip
-"""After these a clause tells or depends, and asks for nothing."""
 
 
 @dataclass(frozen=True)
@@ -224,31 +268,23 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     for name, pattern in _FRAMES:
         if match := pattern.match(text):
             kind, text = name, text[match.end() :].strip()
+            if match[0].endswith(("go for", "go with")):
+                text = _THE.sub("a ", text)  # of what is on offer
             of_speaker = match[0].endswith("make me")
             break
     if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
-        kind, text = "having", match["wish"]
-    text = _ONE_OF.sub("a ", text)
+        kind, text = "having", _ANY.sub("a ", match["wish"])
+    if match := _ONE_OF.match(text):
+        *before, last = text[match.end() :].split() or [""]
+        text = " ".join(["a", *before, singular(last) if "with" not in before else last])
     if match := _AS_CAN_BE.fullmatch(text):
         article, _, thing = match["thing"].partition(" ")
         text = f"{article} {match['size']} {thing}"
+    text = _KIND_OF.sub("a ", _LOOKS_LIKE.sub("", text))
     for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
         if match := inner.match(text):
             text = text[match.end() :].strip()
     return Frame(kind, tuple(text.split()), of_speaker)
-
-
-def later_wish(words: tuple[str, ...]) -> tuple[str, ...] | None:
-    """The clause that asks, of a sentence that says something else first.
-
-    ``my books are all over the floor i need a shelf``, ``scrap that make a bench``.
-    """
-    text = " ".join(plain_words(words))
-    for match in _LATER.finditer(text):
-        before = text[: match.start()].split()
-        if len(before) > 1 and before[-1] not in _GOVERNS:
-            return tuple(text[match.start() :].split())
-    return None
 
 
 def is_question(words: tuple[str, ...]) -> bool:

@@ -9,15 +9,34 @@ from dataclasses import dataclass
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.judging import acts_at, is_participle, judge
+from cellctl.listening.understanding.words import look_up
 
-_REPAIR_MARK = (
-    r"(?:(?:no|actually) make (?:it|that)|no wait|wait no|no sorry|sorry i mean|sorry|i mean|no|"
-    r"or rather|rather|make that|actually|wait)"
+_HESITATION = r"(?:er|erm|um|uh|hmm|oh|well|you know|let's say|maybe|yes|yeah|ah|but|so)"
+_CORRECTION = (
+    r"(?:(?:no|actually) make (?:it|that)|(?:no )?scrap that|(?:no )?forget (?:that|it)|no "
+    r"wait|wait no|"
+    r"(?:no )?(?:hang|hold) on|no sorry|sorry|i mean|i meant|no|nope|nah|or rather|or better|"
+    r"rather|"
+    r"better|make (?:that|it)|actually|wait|on second thoughts?|correction)"
 )
+_REPAIR_MARK = rf"(?:{_HESITATION} )*{_CORRECTION}(?: (?:{_HESITATION}|{_CORRECTION}))*"
 _NUMBER_REPAIR = re.compile(rf"\b(\w+) (\w+) {_REPAIR_MARK} (\w+) (\w+)\b")
+_COUNT_REPAIR = re.compile(rf"\b(?P<first>\w+) {_REPAIR_MARK} (?P<then>\w+)(?= (?P<noun>\w+))")
 _OBJECT_REPAIR = re.compile(
     rf"\b(?:a|an|the) [a-z ]+? {_REPAIR_MARK} (?:i (?:want|need) )?((?:a|an|the) \w+)"
 )
+_RESTATED = re.compile(
+    rf"\b(?:(?:an?|the) )?(?P<noun>\w+) (?:(?:{_HESITATION}|{_CORRECTION}|like) )*"
+    r"(?P<again>(?:an?|the) (?:(?!(?:an?|the)\b)[\w-]+ ){0,3}(?P=noun))\b"
+    r"(?P<after> (?:i mean|i meant|actually|rather|that is|to be (?:exact|precise)))?"
+)
+"""``a tree, a christmas tree I mean``, ``a duck, yes, a duck``."""
+_RETRACTED = re.compile(
+    r"\b(?:i|we) (?:was|were) (?:just )?(?:going to|gonna|about to|thinking of) (?:\w+ ){1,2}?"
+    r"(?:an?|the) (?:\w+ ){1,4}?but (?:(?:now|actually|rather|then|instead) )*(?:make (?:it|"
+    r"that) )?"
+)
+"""``I was going to say a car but actually, make it a truck``."""
 _TRAILING = frozenset(
     {"please", "instead", "now", "today", "then", "thanks", "again", "too", "quickly", "possible",
      "first", "next", "soon", "immediately", "robot", "ok", "okay"}
@@ -50,10 +69,24 @@ class NounPhrase:
 
 def repair(words: list[str]) -> list[str]:
     """Obey what speakers correct: ``four legs no wait three legs``, ``a shelf no a bench``."""
-    text = " ".join(words)
+    text = _RETRACTED.sub("", " ".join(words))
+    text = _RESTATED.sub(_keep_again, text)
+    text = _COUNT_REPAIR.sub(_keep_later_count, text)
     text = _NUMBER_REPAIR.sub(_keep_later_number, text)
     text = _OBJECT_REPAIR.sub(lambda match: match[1], text)
     return text.split()
+
+
+def _keep_again(match: re.Match[str]) -> str:
+    noun = singular(match["noun"])
+    is_thing = match["noun"] not in LEXICON.enders and judge((noun,), noun).physical
+    return match["again"] if is_thing else match[0]
+
+
+def _keep_later_count(match: re.Match[str]) -> str:
+    """``three, I mean four legs``."""
+    counts = all(read_number([match[one]], 0) is not None for one in ("first", "then"))
+    return match["then"] if counts and singular(match["noun"]) in LEXICON.parts else match[0]
 
 
 def _keep_later_number(match: re.Match[str]) -> str:
@@ -73,7 +106,7 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
         None when there is no noun phrase.
     """
     kept = _without_sizes(words, size_spans)
-    while len(kept) > 1 and kept[-1] in _TRAILING and kept[-2] not in LEXICON.determiners:
+    while len(kept) > 1 and kept[-1] in _TRAILING and not _describes(kept[-2]):
         kept.pop()
     count, start, determiner = _determiner(kept)
     numeral = _numeral(kept, start) if count > 1 else []
@@ -106,6 +139,12 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
         rest=rest,
         either=either,
     )
+
+
+def _describes(word: str) -> bool:
+    """Whether a noun must follow: "a big robot" speaks to nobody."""
+    entry = look_up(word)
+    return word in LEXICON.determiners or (entry is not None and entry.parts[:1] == "a")
 
 
 def _is_noun_here(words: Sequence[str], start: int, index: int) -> bool:
@@ -217,6 +256,6 @@ def _others(tail: list[str], rest: Sequence[str]) -> tuple[tuple[str, ...], int,
     noun = singular(tail[-1])
     number = read_number(tail, 1)
     counted = tail[1] in LEXICON.determiners or number is not None
-    if counted and LEXICON.is_physical(noun):
+    if counted and judge(tail[2:], noun).physical:
         return (noun,), int(number[0]) if number else 1, tail, False
     return (), 0, [], False

@@ -20,7 +20,6 @@ from cellctl.listening.frames import (
     find_frame,
     is_question,
     is_told,
-    later_wish,
     plain_words,
 )
 from cellctl.listening.lexicon import LEXICON
@@ -30,13 +29,18 @@ from cellctl.listening.understanding.edits import Editing, read_edits
 from cellctl.listening.understanding.hints import hints_of, meant_by, object_for, question_of
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
 from cellctl.listening.understanding.judging import Judgement, acts_at
+from cellctl.listening.understanding.later import clauses_of, readings, readings_of_edits
 from cellctl.listening.understanding.policy import refusal_of
 from cellctl.listening.understanding.wanting import Verdict, is_wanted
+from cellctl.listening.understanding.words import look_up
 
 _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
+_STUTTER = re.compile(r"\b((?!\w+ by\b|by\b)[a-z']+(?: (?!by\b)[a-z']+){1,2})(?: \1\b)+")
+"""Two or three words said again: ``I want, I want a ship``; no "twenty by twenty by twenty"."""
+_WANNA = re.compile(r"\bwanna (\w+)")
 _STYLE = re.compile(
     r"(?:[,.;] *(?:low poly|(?:\w+ )?aerial view|studio lighting|(?:high|highly) \w+|very \w+|"
     r"white background|product photography|3d render|photorealistic|realistic|(?:seen|viewed) from "
@@ -57,9 +61,7 @@ class _Heard:
     changes: tuple[Correction, ...]
 
 
-def read_request(  # noqa: PLR0911 - one way out a kind of sentence
-    text: str, setting: Setting = DEFAULT_SETTING
-) -> Request:
+def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
     """Understand one sentence.
 
     Args:
@@ -82,19 +84,23 @@ def read_request(  # noqa: PLR0911 - one way out a kind of sentence
         )
     if len(text) > _MOST_CHARACTERS:
         return _none(text, f"That was too long for me. {_TRY}", "it is too long")
-    snapped = snap(tokens(_STYLE.sub("", text)))
+    said = _STYLE.sub("", text)
+    snapped = snap(tokens(said))
     heard = _Heard(text, tuple(repair(snapped.words)), tuple(snapped.changes))
+    request = _as_a_whole(heard, setting)
+    if request.intent in (Intent.NONE, Intent.QUERY):
+        return _reread(heard, said, setting) or request
+    return request
+
+
+def _as_a_whole(heard: _Heard, setting: Setting) -> Request:
     plain = tuple(plain_words(heard.words))
     if (editing := read_edits(plain, setting.pitch_m)) is not None:
         return _edit(heard, editing)
     frame = find_frame(heard.words)
-    if not frame.asks and (later := later_wish(plain)) is not None:
-        request = _design(heard, find_frame(later), setting)
-        if request.intent is Intent.DESIGN:
-            return request
     if not frame.asks and is_question(plain):
         return Request(
-            text=text,
+            text=heard.text,
             intent=Intent.QUERY,
             phrase="false",
             reason=f"That is a question; I build what I am asked for. {_TRY}",
@@ -102,8 +108,25 @@ def read_request(  # noqa: PLR0911 - one way out a kind of sentence
             why="it begins as a question does",
         )
     if not frame.asks and is_told(plain):
-        return _none(text, _no_wish(), "it tells what somebody does or did")
+        return _none(heard.text, _no_wish(), "it tells what somebody does or did")
     return _design(heard, frame, setting)
+
+
+def _reread(heard: _Heard, said: str, setting: Setting) -> Request | None:
+    """The wish in a sentence that says something else as well; None where there is none."""
+    clauses = [repair(snap(tokens(clause)).words) for clause in clauses_of(said)]
+    for editing in readings_of_edits(heard.words, clauses, setting.pitch_m):
+        return _edit(heard, editing)
+    for reading in readings(heard.words, clauses):
+        frame = find_frame(reading.words)
+        if not frame.asks and (reading.asks or is_question(reading.words)):
+            continue
+        if not frame.asks and is_told(reading.words):
+            continue
+        request = _design(heard, frame, setting, reading.more)
+        if request.intent is Intent.DESIGN:
+            return request
+    return None
 
 
 def tokens(text: str) -> list[str]:
@@ -111,10 +134,20 @@ def tokens(text: str) -> list[str]:
     plain = text.lower().replace("’", "'").replace("½", " half")  # noqa: RUF001
     plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
     words = _TOKEN.findall(_SUFFIXED_FIGURE.sub(r"\1 \2", plain))
-    return [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
+    once = [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
+    return _WANNA.sub(_wants, _STUTTER.sub(r"\1", " ".join(once))).split()
 
 
-def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
+def _wants(match: re.Match[str]) -> str:
+    """``wanna see`` is "want to see", ``wanna robot`` is "want a robot"."""
+    entry = look_up(match[1])
+    if match[1] in LEXICON.determiners:
+        return f"want {match[1]}"
+    return f"want {'to' if entry is not None and entry.parts[:1] == 'v' else 'a'} {match[1]}"
+
+
+def _design(heard: _Heard, frame: Frame, setting: Setting, more: tuple[str, ...] = ()) -> Request:
+    """The object that a wish names; ``more`` tells of its parts and sizes only."""
     wish = _spell_out(frame.rest)
     if purpose := object_for(wish):
         # What it is for leaves no doubt about what it is.
@@ -131,7 +164,9 @@ def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
     if not verdict.wanted:
         return _unwanted(heard, frame, phrase, verdict)
     head = phrase.objects[0]
-    attributes = read_attributes(wish, head)
+    if more:
+        sizes = read_sizes((*wish, *more), setting.pitch_m)
+    attributes = read_attributes((*wish, *more), head)
     return Request(
         text=heard.text,
         intent=Intent.DESIGN,
@@ -143,7 +178,7 @@ def _design(heard: _Heard, frame: Frame, setting: Setting) -> Request:
         dimension_sources=sizes.sources,
         hints=hints_of(head, phrase.count, sizes.metres, attributes, setting),
         ask=question_of(phrase.objects, phrase.count, either=phrase.either),
-        refusal=refusal_of(wish, head),
+        refusal=refusal_of((*wish, *more), head),
         corrections=heard.changes,
         reason=_corrections(heard),
         confidence=_confidence(frame, verdict.judgement),

@@ -13,7 +13,10 @@ from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.words import look_up
 
-_NUMBER_SOUNDS = {"to": "two", "too": "two", "for": "four", "fore": "four", "won": "one"}
+_NUMBER_SOUNDS = {
+    "to": "two", "too": "two", "for": "four", "fore": "four", "won": "one", "sticks": "six",
+    "sex": "six", "ate": "eight", "tree": "three", "free": "three", "fife": "five", "know": "no",
+}  # fmt: skip
 _OWNERS = {
     "steps": ("ladder", "staircase", "stairs"),
     "tiers": ("shelf", "bookshelf", "bookcase"),
@@ -27,11 +30,22 @@ _CONFUSED = {
     "school": "stool", "tool": "stool", "stole": "stool", "still": "stool", "steel": "stool",
 }  # fmt: skip
 """What recognisers write for a family's noun, where they do; each word is one of its own."""
+_RARER = {
+    "char": "chair", "chare": "chair", "tabled": "table", "tabel": "table", "binch": "bench",
+    "shelve": "shelf", "stoll": "stool",
+}  # fmt: skip
+"""Words that hardly anybody says, and what was meant."""
 _PLAIN = frozenset({"simple", "small", "little", "tall", "short"})
 _OPENERS = {"kneed": "need", "knead": "need", "bild": "build", "billed": "build"}
+_BUILD_SOUNDS = frozenset({"bill", "built", "bell", "bold", "billed"})
 _SPLIT_WORDS = {
     ("back", "rest"): "backrest",
     ("back", "wrist"): "backrest",
+    ("bag", "rest"): "backrest",
+    ("steps", "tool"): "step stool",
+    ("step", "tool"): "step stool",
+    ("foot", "still"): "footstool",
+    ("bag", "rests"): "backrests",
     ("arm", "rest"): "armrest",
     ("arm", "rests"): "armrests",
     ("book", "case"): "bookcase",
@@ -108,7 +122,7 @@ def _join_split_words(snapped: Snapped) -> None:
     for index in range(len(snapped.words) - 1):
         pair = tuple(snapped.words[index : index + 2])
         if len(pair) == 2 and pair in _SPLIT_WORDS:
-            snapped.words[index : index + 2] = [_SPLIT_WORDS[pair]]
+            snapped.words[index : index + 2] = _SPLIT_WORDS[pair].split()
 
 
 def _correct_openers(snapped: Snapped) -> None:
@@ -125,6 +139,8 @@ def _correct_openers(snapped: Snapped) -> None:
         if (noun := _SHORT_SOUNDS.get(key)) is not None:
             snapped.replace(0, 2, "a", noun)
     for index, word in enumerate(words[:4]):
+        if word in _BUILD_SOUNDS and _is_asked(words, index):
+            snapped.replace(index, index + 1, "build")
         if word in _OPENERS:
             snapped.replace(index, index + 1, _OPENERS[word])
     # "I want to chair", "I want it throne": an article was misheard.
@@ -140,6 +156,14 @@ def _correct_openers(snapped: Snapped) -> None:
             snapped.replace(index + 1, index + 2, "a")
         elif meant is not None and (entry := look_up(noun)) is not None and "p" in entry.parts:
             snapped.replace(index + 1, index + 3, "a", meant)
+
+
+def _is_asked(words: list[str], index: int) -> bool:
+    """Whether a verb must stand there: ``bill me a table``, ``could you bill the house``."""
+    for_somebody = words[index + 1 : index + 2] in (["me"], ["us"])
+    article = words[index + 1 + for_somebody : index + 2 + for_somebody]
+    asked = words[max(0, index - 1) : index] in (["you"], ["please"], ["to"])
+    return bool(set(article) & {"a", "an", "the"}) and (for_somebody or asked)
 
 
 def _correct_parts(snapped: Snapped) -> None:
@@ -175,20 +199,31 @@ def _correct_heads(snapped: Snapped) -> None:
     """A word between an article and the phrase's end is the object's noun."""
     words = snapped.words
     for index, word in enumerate(words):
-        ends = index + 1 == len(words) or words[index + 1] in LEXICON.enders
+        ends = index + 1 == len(words) or words[index + 1] in LEXICON.enders | LEXICON.fillers
+        if ends and index and (noun := _of_compound(words[index - 1], word)) is not None:
+            snapped.replace(index, index + 1, noun)
+            continue
         begins = index > 0 and words[index - 1] in (
             LEXICON.determiners | {"me", "simple", "small", "big", "tall"}
         )
         if not (ends and begins):
             continue
         rest = words[index + 1 :]
-        better = _owner(rest, word) or _confused(rest, words[index - 1], word)
+        better = _owner(rest, word) or _RARER.get(word) or _confused(rest, words[index - 1], word)
         noun = singular(word)
         known = LEXICON.is_physical(noun) is not None or noun in LEXICON.parts
         if better is None and not known and word not in _NEVER_SNAPPED and not _is_noun(word):
             better = _FAMILY_SOUNDS.get(sound_of(word))
         if better is not None and better != word:
             snapped.replace(index, index + 1, better)
+
+
+def _of_compound(before: str, word: str) -> str | None:
+    """What sounds alike and makes a compound of two words: a "bunk bet" is a bunk bed."""
+    if look_up(f"{before} {word}") is not None or LEXICON.is_physical(singular(word)):
+        return None
+    noun = _SHORT_SOUNDS.get(unvoiced_sound_of(word)) or _FAMILY_SOUNDS.get(sound_of(word))
+    return noun if noun and look_up(f"{before} {noun}") is not None else None
 
 
 def _is_noun(word: str) -> bool:

@@ -8,10 +8,173 @@ _IT = r"(?P<it>it|that|this|them|the \w+(?: \w+)?)"
 _BETTER = r"(?:better|nicer|nice|great|good|cool|best)"
 _WOULD_BE = r"(?:it (?:would|might|could) be|it'd be)"
 _WANT = r"(?:i want|i need|i'd like|i'd prefer|i would like|i would prefer)"
+_NUMBER = r"(?:one|two|three|four|five|six|seven|eight|nine|ten|\d+)"
+_HAVING = (
+    r"(?:(?:please )?(?:(?:can|could|may|should) (?:it|we|i|you|they) (?:please )?(?:have|get|"
+    r"make it|give it)|"
+    r"it (?:should|could|must) have|give it|make it|make that|with|only|just|have|i said|i meant|"
+    r"(?:i|we)(?: want| wanted|'d like| would like|'d prefer| would prefer|'d rather have)(?: "
+    r"it to have)?) )?"
+)
+_ENOUGH = (
+    r"(?:would|will|might|'ll) (?:be (?:better|nicer|nice|enough|fine|great|good|plenty)|do|"
+    r"suffice)|"
+    r"(?:is|are) (?:enough|better|plenty|fine)"
+)
+_UNITS = (
+    r"(?:blocks?|voxels?|cubes?|bricks?|cm|mm|m|(?:centi|milli)?met(?:re|er)s?|"
+    r"inch(?:es)?|levels?|layers?)"
+)
+_MORE_THAN_ASKED = r"(?:wanted|want|need|needed|asked(?: for)?|said|thought|meant|expected)"
+_DONE_WITH = (
+    r"(?:leave|take|drop|skip|lose|get rid of|remove) (?:them|it|those|that)(?: off| out| away)?"
+)
 _MAKE = rf"(?:make|try|do|build|have|design|{_WANT})"
 _REWRITES = tuple(
     (re.compile(pattern), plain)
     for pattern, plain in (
+        (
+            rf"{_HAVING}(?:only |just )?(?P<rest>{_NUMBER} \w+) (?:instead of|rather than|"
+            rf"(?:and |but )?not)"
+            rf" {_NUMBER}(?: \w+)?",
+            "with {rest}",
+        ),
+        (rf"(?P<rest>{_NUMBER} \w+) (?:{_ENOUGH})(?: instead| please)?", "with {rest}"),
+        (
+            rf"(?P<rest>(?:half|twice|double|\w+ times) .+|(?:a (?:bit|little) )?\w+er) "
+            rf"(?:{_ENOUGH})",
+            "{rest}",
+        ),
+        (
+            rf"(?:make it |at )?(?P<times>half|twice|double|{_NUMBER} times) (?:that|its|this|"
+            rf"of that) (?P<rest>\w+)",
+            "make it {times} the {rest}",
+        ),
+        (
+            rf"(?:that's|it's|this is|that is|it is) twice as (?P<rest>\w+) as (?:i|we) "
+            rf"{_MORE_THAN_ASKED}",
+            "make it half as {rest}",
+        ),
+        (
+            rf"(?:that's|it's|this is|that is|it is) half as (?P<rest>\w+) as (?:i|we) "
+            rf"{_MORE_THAN_ASKED}",
+            "make it twice as {rest}",
+        ),
+        (
+            r"(?:i|we) (?:don't|do not) (?:really )?(?:like|want|need) (?:the|its|those|these|any) "
+            rf"(?P<rest>\w+)(?: {_DONE_WITH})?",
+            "remove {rest}",
+        ),
+        (r"(?:i|we) (?:could|can) do without the (?P<rest>\w+)", "remove {rest}"),
+        (
+            r"(?:let's|let us|can (?:we|i)|could (?:we|i)|i'll|we'll|i'd|may i|i) (?:have|like|"
+            r"want|see|prefer) "
+            rf"{_IT} (?P<rest>.+)",
+            "make {it} {rest}",
+        ),
+        (
+            r"(?:no )?(?:(?:i (?:meant|want|wanted|need|said)|i'd (?:like|prefer|rather(?: have)?)|"
+            r"(?:can|could|may) (?:i|we) have|(?:do|would) you have|give (?:me|us)|show (?:me|us)|"
+            r"make(?: me| us)?|try|how about|what about|i was thinking of) )?"
+            r"(?:an?|something|one that's|one that is) (?P<rest>(?:much |slightly |little |bit "
+            r"|a bit |a little )?\w+er)"
+            r"(?: (?:one|version|model|design))?",
+            "make it {rest}",
+        ),
+        (
+            r"(?:keep|leave|i like) (?:it|that|this)(?: (?:as it is|like that|like this|the "
+            r"same|that way))?"
+            r"(?: but| only| just| and) (?P<rest>.+)",
+            "{rest}",
+        ),
+        (
+            r"(?:cut|trim|scale|tone) (?P<it>it|that|this) (?:down|back)(?P<rest>.*)",
+            "shrink {it}{rest}",
+        ),
+        (
+            rf"(?:shave|take|knock|cut|chop|trim|lop) (?P<rest>(?:\w+ )*{_UNITS}) off"
+            r"(?: (?:it|that|the (?:top|height|bottom|legs)|its (?:top|height)))?",
+            "make it {rest} lower",
+        ),
+        (
+            r"(?:shave|take|knock|cut|chop|trim) (?:a (?:bit|little)|some|something) off"
+            r"(?: (?:it|that|the (?:top|height|bottom|legs)))?(?P<rest>)",
+            "lower it{rest}",
+        ),
+        (
+            rf"(?:put|add|stick) (?P<rest>(?:\w+ )*{_UNITS}) (?:to|on|onto) "
+            r"(?:it|that|the (?:top|height)|its (?:top|height)|top)",
+            "make it {rest} taller",
+        ),
+        (rf"{_IT} (?:wants|needs|ought|has) to be (?P<rest>.+)", "make {it} {rest}"),
+        (
+            r"(?:no )*(?:not|i don't want|i didn't (?:want|say|mean)) (?:the|an?|that) \w+ "
+            r"(?:but |i (?:said|meant|wanted|want) |rather )?(?P<rest>an? .+)",
+            "make it {rest}",
+        ),
+        (
+            r"(?:(?:that's|it's|that is|it is|that looks|it looks|looks) )?(?:quite |very |"
+            r"really )?"
+            r"(?:nice|good|great|lovely|fine|okay|ok|pretty|cool|perfect|right|close)"
+            r"(?: but| only| just| except) (?P<rest>.+)",
+            "{rest}",
+        ),
+        (rf"(?:put|set|stand|place) {_IT} on (?P<rest>{_NUMBER} \w+)", "with {rest}"),
+        (
+            r"(?:i'd|i would|we'd) (?:rather|prefer to|like to|love to) have (?:it|that) "
+            r"(?P<rest>(?:with|without|in) .+)",
+            "{rest}",
+        ),
+        (
+            r"(?:and |plus |with |also )*(?P<rest>an? \w+) "
+            r"(?:on top|on it|on top of it|at the back|on the back|in it|to it)",
+            "add {rest}",
+        ),
+        (r"try (?:it|that) (?P<rest>(?:with|without) .+)", "{rest}"),
+        (rf"{_IT} could do with being (?P<rest>.+)", "make {it} {rest}"),
+        (
+            r"(?:could|can|shall|should) (?:we|you|it|i) go (?P<rest>(?:a (?:bit|little) |much "
+            r")?\w+er)",
+            "make it {rest}",
+        ),
+        (
+            r"(?:go|try it|have it|take it) (?P<rest>(?:a (?:bit|little) |much )?\w+er)",
+            "make it {rest}",
+        ),
+        (
+            r"(?:the same|same|that|it|this)(?: thing| one)? (?:but )?in an? (?P<rest>(?:much |"
+            r"slightly )?\w+er) (?:size|version)",
+            "make it {rest}",
+        ),
+        (
+            r"why (?:not|don't (?:you|we)) (?P<rest>(?:add|make|remove|put|give|take|lower|"
+            r"raise) .+)",
+            "{rest}",
+        ),
+        (
+            r"(?P<rest>(?:stretch|spread|thin|draw|fill) (?:it|that|this)) out(?P<it>.*)",
+            "{rest}{it}",
+        ),
+        (r"(?P<rest>.+ too \w+) for (?:my|our|the) \w+", "{rest}"),
+        (
+            r"(?:can|could|should) the \w+ have (?P<rest>(?:an? )?(?:much |slightly )?\w+er \w+)",
+            "{rest}",
+        ),
+        (
+            rf"{_IT} (?:had better be|should rather be|would be better|would look better) "
+            rf"(?P<rest>.+)",
+            "make {it} {rest}",
+        ),
+        (
+            r"(?P<rest>.+) (?:about|around|roughly|approximately|maybe|say|some) (?P<it>.+)",
+            "{rest} {it}",
+        ),
+        (r"(?:about|around|roughly|approximately|maybe|say) (?P<rest>.+)", "{rest}"),
+        (
+            r"(?P<rest>(?:add|put|give it|attach) .+?) (?:in|(?:at|on|to|near) (?:the|its|each) "
+            r"(?:top|bottom|side|sides|rear|front|middle|left|right|end))",
+            "{rest}",
+        ),
         (
             r"(?:i think|i guess|i'd say|i would say|i feel|i suppose|it seems) (?P<rest>.+)",
             "{rest}",
@@ -70,12 +233,18 @@ _REWRITES = tuple(
     )
 )
 """Each pattern for a whole sentence, and what it comes to."""
+_STEPS = 2
+"""How often what it comes to may be put differently again."""
 
 
 def phrasings(text: str) -> list[str]:
     """A sentence, and what else it may be put as, the nearest first."""
     found = [text]
-    for pattern, plain in _REWRITES:
-        if (match := pattern.fullmatch(text)) is not None:
-            found.append(plain.format(**match.groupdict()))
+    for _ in range(_STEPS):
+        for known in tuple(found):
+            for pattern, plain in _REWRITES:
+                if (match := pattern.fullmatch(known)) is not None:
+                    other = plain.format(**match.groupdict())
+                    if other not in found:
+                        found.append(other)
     return found

@@ -68,6 +68,7 @@ COMPARATIVES = {
     **dict.fromkeys(
         ("nicer", "prettier", "better", "fancier", "cooler", "cuter"), Trait(None, "+", "looks")
     ),
+    "steeper": Trait(None, "+", "steepness"),
     "rounder": Trait(None, "+", "roundness"),
     "simpler": Trait(None, "+", "simplicity"),
     "heavier": Trait(None, "+", "weight"),
@@ -88,6 +89,7 @@ BASES = {
         }
     ),
     **dict.fromkeys(("strong", "sturdy", "stable", "solid"), Trait(None, "+", "strength")),
+    "steep": Trait(None, "+", "steepness"),
     "weak": Trait(None, "-", "strength"),
     "wobbly": Trait(None, "-", "strength"),
 }
@@ -122,7 +124,7 @@ class Part:
     @property
     def counted(self) -> bool:
         """Whether there may be several."""
-        return self.attribute not in ("back", "arms", "lid")
+        return self.attribute not in ("back", "arms", "lid", "chimney")
 
 
 def part_of(noun: str) -> Part | None:

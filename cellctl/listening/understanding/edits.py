@@ -8,29 +8,28 @@ that "make the room warmer" changes nothing here.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cellctl.assembly import Edit
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.edit_phrasing import phrasings
+from cellctl.listening.understanding.edit_traits import read_trait
 from cellctl.listening.understanding.edit_words import (
     BASES,
     COMPARATIVES,
     VERBS,
-    Direction,
-    Trait,
     amount_of,
-    opposite,
     part_of,
     split_degree,
 )
 
 _LEAD = re.compile(
-    r"^(?:(?:please|actually|no|ok|okay|and|then|now|so|but|oh|well|hmm|maybe|perhaps|just|also|"
+    r"^(?:(?:please|possibly|almost|nearly|actually|no|ok|okay|and|then|now|so|but|oh|well|hmm|"
+    r"maybe|perhaps|just|also|"
     r"only|sorry|wait|rather|let's|let us|(?:can|could|would|will) (?:you|we)(?: please)?"
-    r"(?: just| also)?(?! be\b)(?: have it(?= (?:with|without)\b))?|"
+    r"(?: just| also| possibly| maybe)?(?! be\b)(?: have it(?= (?:with|without)\b))?|"
     r"i(?: want| need| would like| would prefer|'d like|'d prefer)"
     r"(?: you)?(?: to)?(?= (?:it|that|them|make|add|remove|change)\b)) )+"
 )
@@ -73,7 +72,9 @@ _COLOUR = re.compile(
     rf"(?:(?:make|paint|colour|color) {_SUBJECT} |in )(?P<colour>\w+)(?: instead)?"
 )
 _SAME = re.compile(
-    r"(?:(?:the )?same(?: thing| one| again)?|that one|this one)"
+    r"(?:(?:make |do |build )?(?:exactly )?(?:the )?same(?: thing| one| again)*|that one|this "
+    r"one|that(?= but\b)|"
+    r"this(?= but\b)|it(?= but\b)|another(?: one)?(?= but\b)|again(?= but\b))"
     r"(?: but| only| just)? (?P<rest>(?!to you).+)"
 )
 _INSTEAD = re.compile(r" instead(?: of .+)?$| rather than .+$")
@@ -85,10 +86,9 @@ _FEWER_PARTS = re.compile(
     r"(?:(?P<number>\w+) )?(?:fewer|less) (?P<part>\w+)|"
     r"(?P<count>\w+) (?P<named>\w+) (?:fewer|less)"
 )
-_ALONE = frozenset(
-    {"tall", "high", "short", "low", "wide", "broad", "narrow", "thin", "thick", "deep", "long",
-     "big", "large", "small", "huge", "strong", "sturdy"}
-)  # fmt: skip
+_WHERE = frozenset({"at", "on", "in", "near", "to"})
+_THICKNESS = frozenset({"thick", "thin", "thicker", "thinner"})
+_BARE_COUNTS = frozenset({"legs", "tiers", "drawers"})
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,8 @@ def _replacement(text: str) -> Editing | None:
     named = next(group for group in match.group("a", "b", "c", "d") if group)
     named = _INSTEAD.sub("", named)
     words = named.split()
-    noun = singular(words[-1])
+    ends = (i for i, word in enumerate(words) if word in ("with", "without", "for", "that", "of"))
+    noun = singular(words[next(ends, len(words)) - 1])
     if words[-1] in COMPARATIVES or words[-1] in BASES:
         return None  # "make it a bit taller", "a little less deep"
     known = part_of(noun) or noun in LEXICON.vague
@@ -218,11 +219,13 @@ def _resized(text: str, _pitch_m: float) -> Edit | None:
         # "longer legs", "a higher back"
         start = 1 if how[0] in ("a", "an", "with") else 0
         part, how = named.part, how[start:-1]
-    trait = _trait(how, told=match is not None and match.re is _TELL)
+    trait = read_trait(how, told=match is not None and match.re is _TELL)
     if trait is None:
         return None
+    if part and trait.axis == "depth" and how[-1] in _THICKNESS:
+        trait = replace(trait, axis=None, attribute="thickness")
     axis = trait.axis
-    if axis == "height" and part == "leg":
+    if axis == "height" and part in ("leg", "neck", "tail"):
         axis = "length"
     return Edit(
         op="scale",
@@ -274,46 +277,6 @@ def _part_named(match: re.Match[str] | None) -> str | None:
     return named.part if named else None
 
 
-def _trait(how: list[str], *, told: bool) -> Trait | None:  # noqa: PLR0911 - one a way to say it
-    """``a bit taller``, ``two blocks wider``, ``twice as tall``, ``too big``, ``not so high``."""
-    degree, rest = split_degree(how)
-    if not rest:
-        return None
-    factor = {"twice": 2.0, "double": 2.0, "half": 2.0}.get(rest[0])
-    number = read_number(rest, 0)
-    if number is not None and rest[number[1] : number[1] + 1] == ["times"]:
-        factor, rest = number[0], rest[number[1] :]
-    if factor is not None and rest[1:2] in (["as"], ["the"]) and len(rest) > 2:
-        base = BASES.get(rest[2]) or COMPARATIVES.get(rest[2])
-        if base is None or len(rest) not in (3, 5):
-            return None
-        direction: Direction = "-" if rest[0] == "half" else "+"
-        return Trait(base.axis, direction, base.attribute, factor, "times")
-    amount, unit, rest = amount_of(rest)
-    if rest[:1] in (["more"], ["less"]) and len(rest) == 2 and rest[1] in BASES:
-        base = BASES[rest[1]]
-        direction = base.direction if rest[0] == "more" else opposite(base.direction)
-        return base.by(direction, amount, unit)
-    if len(rest) > 1 and rest[0] in COMPARATIVES and rest[1] == "by":
-        amount, unit, after = amount_of(rest[2:])
-        rest = rest[:1] if amount is not None and not after else rest
-    if len(rest) > 1 and rest[-1] == "than":
-        rest = rest[:-1]
-    if len(rest) == 1 and rest[0] in COMPARATIVES:
-        found = COMPARATIVES[rest[0]]
-        return found.by(found.direction, amount, unit)
-    if len(rest) in (1, 2) and rest[0] in BASES and rest[1:] in ([], ["enough"]):
-        base = BASES[rest[0]]
-        if degree & {"too"}:
-            return base.by(opposite(base.direction), None, None)
-        if degree & {"not"}:
-            more = rest[1:] == ["enough"]
-            return base.by(base.direction if more else opposite(base.direction), None, None)
-        if rest[0] in _ALONE and told:
-            return base.by(base.direction, None, None)
-    return None
-
-
 def _more(text: str, _pitch_m: float) -> Edit | None:
     """``two more tiers``, ``another leg``, ``more legs``; with "add" and the like before it."""
     match = _HAVE.fullmatch(text) or _ADD.fullmatch(text)
@@ -321,7 +284,7 @@ def _more(text: str, _pitch_m: float) -> Edit | None:
     # "one tier more" is "one more tier".
     what = re.sub(r"^(\w+) (\w+) more$", r"\1 more \2", what)
     found = _MORE_PARTS.fullmatch(what)
-    if found is None:
+    if found is None or _WHERE & set(found["part"].split()):
         return None
     named = part_of(singular(found["part"].split()[-1]))
     if named is None or (match is None and found["another"] and named.part in LEXICON.families):
@@ -352,7 +315,7 @@ def _fixed(text: str, _pitch_m: float) -> Edit | None:
     """``with three legs``, ``make it four tiers``, ``change the number of legs to four``."""
     match = _HAVE.fullmatch(text) or _SET.fullmatch(text)
     what = _INSTEAD.sub("", match["what"] if match else text).split()
-    if match is None and _INSTEAD.search(text) is None:
+    if match is None and _INSTEAD.search(text) is None and not _is_count(what):
         return None
     if what[:1] in (["only"], ["just"], ["exactly"]):
         what = what[1:]
@@ -367,9 +330,18 @@ def _fixed(text: str, _pitch_m: float) -> Edit | None:
     return Edit(op="set", part=named.part, attribute=named.attribute, value=int(number[0]))
 
 
+def _is_count(what: list[str]) -> bool:
+    """Whether it says how many of a part and nothing else: ``four legs``; two shelves are two."""
+    number = read_number(what, 0)
+    part = part_of(singular(what[-1])) if number and number[1] == len(what) - 1 else None
+    return part is not None and part.attribute in _BARE_COUNTS and part.part not in LEXICON.families
+
+
 def _added(text: str, _pitch_m: float) -> Edit | None:
     match = _ADD.fullmatch(text) or _HAVE.fullmatch(text)
     what = match["what"].split() if match else []
+    if set(what) & (COMPARATIVES.keys() | _WHERE):
+        return None  # "give it a longer neck"
     number = read_number(what, 0)
     start = number[1] if number and number[0] == int(number[0]) else 0
     if start == 0:

@@ -10,6 +10,8 @@ from cellctl.listening.understanding.words import Word, look_up
 
 _NOTHING = Word(0.0, "-", "", proper=False)
 _SHAPES = LEXICON.comparatives | {"round", "square", "simple", "plain", "double", "single"}
+_OF_UNITS = frozenset({"shelving", "storage", "wall", "tv", "media", "display", "drawer", "kitchen",
+                       "corner", "base", "vanity"})  # fmt: skip
 _THING = 0.5
 """From here on a noun of the table is a thing."""
 
@@ -43,6 +45,8 @@ def judge(core: Sequence[str], head: str) -> Judgement:  # noqa: PLR0911 - the f
         found = look_up(compound) or look_up(" ".join(core[-size:]))
         if found is not None and found.noun:
             return _by_table(compound, found.physical, found.kind, found.class_name)
+    if head == "unit" and len(core) > 1 and core[-2] in _OF_UNITS:
+        return Judgement(True, 0.8, "f", f"a {core[-2]} unit is furniture")
     if head == "piece" and len(core) > 1 and (look_up(core[-2]) or _NOTHING).noun:
         return Judgement(True, 0.7, kind, f"{core[-2]!r} says of what it is a piece")
     known = LEXICON.is_physical(head)

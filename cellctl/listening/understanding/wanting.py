@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cellctl.listening.attributes import GLYPH_NOUNS
 from cellctl.listening.frames import Frame
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.phrases import NounPhrase
+from cellctl.listening.understanding.edit_words import COMPARATIVES
 from cellctl.listening.understanding.judging import Judgement, commands, judge, tells
 from cellctl.listening.understanding.talk import served_instead, talk
 from cellctl.listening.understanding.words import look_up
@@ -15,6 +17,9 @@ _MASS = frozenset("dsbpgxktc")
 """Classes of nouns that without an article are no objects: "make dinner", "make friends"."""
 _SURE = 0.66
 """Certainty of the table that a phrase needs that has neither an article nor a verb."""
+_FURNISHING = frozenset(
+    {"stand", "rack", "holder", "footstool", "wardrobe", "dresser", "nightstand"}
+)
 _SOMEBODYS = frozenset({"my", "our", "his", "her", "their", "your", "its"})
 _SUBJECTS = frozenset({"that", "which", "who", "whose", "where", "it", "i", "you", "we", "they",
                        "he", "she", "so", "because", "and"})  # fmt: skip
@@ -54,7 +59,7 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
     judgement = judge(phrase.core, head if outer in LEXICON.vague else outer)
     if outer in LEXICON.of_nouns and outer != head and not LEXICON.is_physical(outer):
         judgement = judge((head,), head)  # "a bunch of marbles"
-    if has_glyph:
+    if has_glyph and (frame.kind != "bare" or GLYPH_NOUNS & set(phrase.core)):
         return Verdict(True, judgement, "it names a letter or a digit")
     if {head, phrase.core[-1]} & (talk().weapons | talk().insults):
         return Verdict(True, judgement, "it is a thing, and none to build")
@@ -72,7 +77,7 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         return no("it says what to do with an object")
     if len(head) == 1:
         return no("it is a letter, and does not say so")
-    if phrase.determiner == "the" and _compares(phrase.core[-1]):
+    if (phrase.determiner == "the" and _compares(phrase.core[-1])) or head in COMPARATIVES:
         return no("it changes something that exists already")
     plain = len(phrase.core) == 1 and not phrase.rest
     if frame.of_speaker and plain and judgement.kind == "p" and not LEXICON.is_physical(head):
@@ -81,6 +86,10 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         return no(judgement.why, abstract=True)
     if head in talk().written and (frame.kind != "bare" or not phrase.determiner):
         return no(f"a {head} is written or drawn, not built")
+    if frame.kind == "having" and "where" in phrase.rest:
+        return no("it asks where something is")
+    if head == "machine" and phrase.rest[:1] == ("like",):
+        return no("it speaks of this machine")
     if phrase.determiner in _POINTING:
         return no("it points at something that is there")
     if frame.kind != "making":
@@ -92,7 +101,7 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         if frame.kind == "having" and len(phrase.core) > 1 and phrase.core[0] in _LENT:
             return no("it is a favour")
         new = frame.kind == "having" and phrase.core[0] == "new"
-        if new and head not in LEXICON.families:
+        if new and head not in LEXICON.families | _FURNISHING:
             return no(f"a new {head} is bought, not built")
     elif why := _idiom(phrase, judgement):
         return no(why)
@@ -166,8 +175,17 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
         return "" if known and plural else f"{head!r} has no article"
     if commands(phrase.core) and (len(phrase.core) > 1 or phrase.rest):
         return "it is a command for something else"
-    sizes = talk().small | talk().big
-    if len([word for word in phrase.core if word not in sizes]) > 3 or any(
+    plain = LEXICON.comparatives | {
+        "old",
+        "little",
+        "huge",
+        "tiny",
+        "giant",
+        "nice",
+        "simple",
+        "new",
+    }
+    if len([word for word in phrase.core if word not in plain]) > 3 or any(
         _odd(word) for word in phrase.core[:-1]
     ):
         return "its words make no noun phrase"

@@ -1,0 +1,107 @@
+"""A thing that a sentence mentions where it wishes, however it puts that.
+
+``what would be really neat is a windmill`` and ``how difficult is a giraffe`` are in no list of
+ways to ask. A thing with "a" before it is taken for wanted when the sentence wishes or asks, and
+nothing speaks against it: it tells of what was or is, of somebody's own, of another place, or of
+doing something else with it. The cell asks before it builds, so that a mistake costs a "no".
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+
+from cellctl.listening.lexicon import LEXICON
+from cellctl.listening.understanding.words import look_up
+
+_ARTICLES = frozenset({"a", "an", "one", "two", "three"})
+_NEGATED = frozenset(
+    {"not", "no", "don't", "can't", "won't", "without", "never", "isn't", "doesn't"}
+)
+_PLACING = frozenset({"of", "in", "on", "at", "by", "from", "into", "than"})
+_TELLING = frozenset({"have", "has", "like", "love", "see", "take", "get"})
+"""These wish only with a "would" or a "can" before them."""
+_MODAL = frozenset({"would", "could", "can", "may", "might", "let's", "to", "want", "wants"})
+
+
+@dataclass(frozen=True)
+class _Words:
+    wishes: re.Pattern[str]
+    against: re.Pattern[str]
+    governors: frozenset[str]
+
+
+@lru_cache(maxsize=1)
+def _words() -> _Words:
+    source = files("cellctl.listening.understanding").joinpath("asides.toml")
+    table = tomllib.loads(source.read_text(encoding="utf-8"))["mentioned"]
+    wishes, first, anywhere = (
+        "|".join(table[key].splitlines()) for key in ("wishes", "against_at_first", "against")
+    )
+    return _Words(
+        re.compile(rf"\b(?:{wishes})\b"),
+        re.compile(rf"^(?:{first})\b|\b(?:{anywhere})\b"),
+        frozenset(table["governors"].split()),
+    )
+
+
+def mentioned(text: str) -> tuple[str, ...] | None:
+    """The end of a sentence from the thing on that it may wish for; None where it wishes for none.
+
+    Args:
+        text: lower-case words, without what is said around a wish.
+    """
+    if _words().wishes.search(text) is None or _words().against.search(text) is not None:
+        return None
+    words = text.split()
+    for index in reversed(range(1, len(words) - 1)):
+        if words[index] in _ARTICLES and _may_govern(words[:index]):
+            return tuple(words[index:])
+    return None
+
+
+def _may_govern(before: Sequence[str]) -> bool:
+    """Whether what stands before an article asks for what follows rather than tells of it."""
+    if _NEGATED & set(before[-3:]) or before[-1] in (
+        "of",
+        "in",
+        "on",
+        "at",
+        "by",
+        "from",
+        "into",
+        "than",
+    ):
+        return False
+    verbs = [word for word in before if _is_verb(word)]
+    if not verbs or verbs[-1] not in _words().governors:
+        return not verbs
+    at = len(before) - 1 - list(reversed(before)).index(verbs[-1])
+    if verbs[-1] in _TELLING:
+        modal = set(before[:at]) & {
+            "would",
+            "could",
+            "can",
+            "may",
+            "might",
+            "let's",
+            "to",
+            "want",
+            "wants",
+        }
+        shortened = any(word.endswith(("'d", "'ll")) for word in before[:at])
+        return bool(modal or shortened) and "you" not in before[max(0, at - 1) : at]
+    return True
+
+
+def _is_verb(word: str) -> bool:
+    entry = look_up(word)
+    return (
+        word in LEXICON.finite
+        or word in _words().governors
+        or (entry is not None and entry.parts[:1] == "v")
+    )
