@@ -73,6 +73,8 @@ class ArmState(Value):
     tcp_force_n: Vector
     """What acts on the tool from outside, in the base frame: measured by an e-Series, reckoned from
     the joints' currents by a CB3."""
+    tcp_lag_m: Vector = (0.0, 0.0, 0.0)
+    """From where the controller wants the TCP to where it is, in the base frame."""
     moving: bool
     program_running: bool
     safety: Literal["normal", "protective", "safeguard", "emergency", "fault"]
@@ -80,6 +82,12 @@ class ArmState(Value):
     digital_inputs: int
     """Bits 0-7: the standard inputs."""
     digital_outputs: int
+
+    @property
+    def told_pose(self) -> Pose:
+        """Where the controller wants the TCP; not quite where it is if something is in the way."""
+        at = [here - lag for here, lag in zip(self.tcp_pose[:3], self.tcp_lag_m, strict=True)]
+        return (at[0], at[1], at[2], *self.tcp_pose[3:])
 
 
 class Switch(Value):

@@ -80,11 +80,12 @@ def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, 
         link.start_path(order.path)
     link.open_gate()
     target = order.path[-1].pose
-    length_m, _ = distance(link.sample.tcp_pose, target)
+    length_m, _ = distance(link.sample.told_pose, target)
     within_m = max(_CLOSEST_M, min(_ARRIVED_M, 0.1 * length_m))
 
     def arrived(sample: Sample) -> bool:
-        apart_m, apart_rad = distance(sample.tcp_pose, target)
+        # Where something is in the way, the arm comes to rest without being quite there.
+        apart_m, apart_rad = distance(sample.told_pose, target)
         return apart_m < within_m and apart_rad < _ARRIVED_RAD
 
     arriving = _arrive(link, arrived, order.planned_duration_s * timeout_factor)

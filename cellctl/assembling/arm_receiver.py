@@ -33,6 +33,7 @@ _VARIABLES = [
     "actual_TCP_pose",
     "actual_TCP_speed",
     "actual_TCP_force",
+    "target_TCP_pose",
     "actual_digital_input_bits",
     "actual_digital_output_bits",
     "robot_mode",
@@ -71,6 +72,8 @@ class Sample(NamedTuple):
     tcp_pose: Pose
     tcp_speed_m_s: float
     tcp_force_n: Vector
+    told_pose: Pose
+    """Where the controller wants the TCP."""
     inputs: int
     outputs: int
     robot_mode: int
@@ -100,6 +103,7 @@ class Sample(NamedTuple):
             tcp_pose=self.tcp_pose,
             tcp_speed_m_s=self.tcp_speed_m_s,
             tcp_force_n=self.tcp_force_n,
+            tcp_lag_m=self._lag_m(),
             moving=not self.at_rest,
             program_running=self.runtime_state == PLAYING,
             safety=safety,  # type: ignore[arg-type]  # one of the names above
@@ -107,6 +111,10 @@ class Sample(NamedTuple):
             digital_inputs=self.inputs & 0xFF,
             digital_outputs=self.outputs & 0xFF,
         )
+
+    def _lag_m(self) -> Vector:
+        x, y, z = (self.tcp_pose[i] - self.told_pose[i] for i in range(3))
+        return (x, y, z)
 
 
 def safety_fault(sample: Sample) -> CellFault | None:
@@ -193,6 +201,7 @@ class Receiver:
             tcp_pose=_six(receive.getActualTCPPose()),
             tcp_speed_m_s=sum(v * v for v in receive.getActualTCPSpeed()[:3]) ** 0.5,
             tcp_force_n=_six(receive.getActualTCPForce())[:3],
+            told_pose=_six(receive.getTargetTCPPose()),
             inputs=receive.getActualDigitalInputBits(),
             outputs=receive.getActualDigitalOutputBits(),
             robot_mode=receive.getRobotMode(),

@@ -60,10 +60,17 @@ class RobotSection(Section):
     """How far below its seat a part is pressed that a column carries, and how far above it the
     gripper is felt to be free after letting go; 0 feels nothing."""
     touch_force_n: Annotated[float, Field(gt=0.0, le=50.0)] = 6.0
-    """What must be felt there to count as touching."""
+    """What a force sensor (ur10e) must feel there to count as touching."""
     early_force_n: Annotated[float, Field(gt=0.0, le=100.0)] = 35.0
     """A part that is pressed up with more, on its way down or where it is pressed on, has met
     something too early."""
+    touch_lag_m: Annotated[float, Field(ge=0.0001, le=0.0015)] = 0.0003
+    """An arm without such a sensor (ur10) touches where it is this far from where its controller
+    wants it."""
+    early_lag_m: Annotated[float, Field(ge=0.0005, le=0.01)] = 0.0018
+    """The same of what is met too early."""
+    following_s: Annotated[float, Field(ge=0.0, le=0.2)] = 0.016
+    """How far behind such an arm may be while it moves, as a time at its speed, beyond that."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
     """The controller stops the arm when it hears nothing for one period of this."""
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0

@@ -238,9 +238,9 @@ class Builder(Acting):
         watch = asyncio.create_task(self._touch.met_early(move, cell))
         try:
             await asyncio.wait({move, watch}, return_when=asyncio.FIRST_COMPLETED)
-            if watch.done() and (met_n := watch.result()) > 0.0:
+            if watch.done() and (felt := watch.result()):
                 await self._hands.arm.stop()
-                raise contact_early(cell, met_n)
+                raise contact_early(cell, felt)
             await move
         finally:
             watch.cancel()

@@ -107,13 +107,13 @@ class ArmAndLatch:
         return state
 
     def stance(self) -> Stance:
-        """Where the arm is.
+        """Where the arm is, or is told to be where it presses on something.
 
         Raises:
             CellFault: ``robot_lost``.
         """
         state = self.state()
-        return Stance(state.tcp_pose, state.joints_rad)
+        return Stance(state.told_pose, state.joints_rad)
 
     async def foreseeing(
         self,

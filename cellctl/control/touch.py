@@ -1,8 +1,8 @@
 """Placing that feels: a seat under the part before it is let go, and a gripper that is free after.
 
 Both are felt at rest, a fraction of a millimetre below and above the seat, so that no delay of a
-network or a busy computer counts: the arm is as far as it goes, and then the force is read. What a
-part meets above its seat is felt on the way down, too.
+network or a busy computer counts: the arm is as far as it goes, and then it is read what it feels
+(``feeling``). What a part meets above its seat is felt on the way down, too.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from collections.abc import Awaitable, Callable
 from statistics import fmean
 from typing import TYPE_CHECKING
 
-from cellctl.assembling.poses import to_matrix
 from cellctl.assembly import Cell
+from cellctl.control.feeling import feeling_of
 from cellctl.errors import CellFault
 
 if TYPE_CHECKING:
@@ -23,11 +23,7 @@ if TYPE_CHECKING:
     from cellctl.config import CellConfig
     from cellctl.control.moving import ArmAndLatch, Plan
 
-_READINGS = {"ur10e": 3, "ur10": 8}
-"""How many states a force is averaged over: a sensor is quieter than currents of joints."""
 _POLL_S = 0.004
-_MOVING_READINGS = {"ur10e": 1, "ur10": 3}
-"""The same while the arm moves, where waiting costs way."""
 _NEAR_SEAT_M = 0.12
 """Within this of its seat a part may stand on something: a part that is where it should go is a
 pitch high."""
@@ -58,11 +54,11 @@ class Touch:
         self._robot = config.robot
         self._clock = clock
         self._hands = hands
-        self._upward = to_matrix(config.base.frame)[2, :3]
+        self._feeling = feeling_of(config)
         self.felt_s = 0.0
         """What feeling has taken in all (cell time)."""
 
-    async def met_early(self, move: asyncio.Task[None], cell: Cell) -> float:
+    async def met_early(self, move: asyncio.Task[None], cell: Cell) -> str:
         """Watch the way down to a cell until the movement ends, or the part meets something.
 
         Args:
@@ -70,20 +66,21 @@ class Touch:
             cell: where it goes.
 
         Returns:
-            How hard it is pressed up, in N; 0 when it met nothing.
+            What is felt then, in words; empty when it met nothing.
         """
+        feeling = self._feeling
         seat = self._hands.routes.place_stance(cell).tcp_pose[:3]
-        readings: deque[float] = deque(maxlen=_MOVING_READINGS[self._robot.model])
+        readings: deque[float] = deque(maxlen=feeling.moving)
         while not move.done():
             state = self._hands.state()
             # Elsewhere the part hangs free, and whatever shakes it is no contact.
             if math.dist(state.tcp_pose[:3], seat) < _NEAR_SEAT_M:
-                readings.append(float(self._upward @ state.tcp_force_n))
-                met_n = fmean(readings)
-                if met_n > self._robot.early_force_n and len(readings) == readings.maxlen:
-                    return met_n
+                readings.append(feeling.upward(state) - feeling.slack(state))
+                met = fmean(readings)
+                if met > feeling.early and len(readings) == readings.maxlen:
+                    return feeling.told(met)
             await self._clock.sleep(_POLL_S)
-        return 0.0
+        return ""
 
     async def seat(self, cell: Cell, standing: frozenset[Cell], travel: Travel) -> None:
         """Feel whether the part that is held is pressed on what carries it, where a column down to
@@ -98,15 +95,15 @@ class Touch:
         began_s = self._clock.now_s()
         # The way to the cell ends there already, unless it was broken off.
         await self._go(cell, -self._robot.touch_depth_m, travel, carrying=True)
-        pressed_n = await self._upward_n()
+        pressed, feeling = await self._upward(), self._feeling
         self.felt_s += self._clock.now_s() - began_s
-        if pressed_n > self._robot.early_force_n:
-            raise contact_early(cell, pressed_n)
-        if pressed_n < self._robot.touch_force_n:
+        if pressed > feeling.early:
+            raise contact_early(cell, feeling.told(pressed))
+        if pressed < feeling.touches:
             raise CellFault(
                 "not_seated",
                 f"{self._robot.touch_depth_m * 1000:.1f} mm below its seat at {list(cell)} the "
-                f"part is pressed with {pressed_n:.1f} N; {self._robot.touch_force_n:g} N are due.",
+                f"part is {feeling.told(pressed)}; {feeling.amount(feeling.touches)} are due.",
             )
 
     async def stands(self, cell: Cell, standing: frozenset[Cell], travel: Travel) -> bool:
@@ -126,9 +123,9 @@ class Touch:
         began_s = self._clock.now_s()
         # It is there already, unless the letting go was broken off.
         await self._go(cell, -self._robot.touch_depth_m, travel, carrying=False)
-        pressed_n = await self._upward_n()
+        pressed = await self._upward()
         self.felt_s += self._clock.now_s() - began_s
-        return pressed_n >= self._robot.touch_force_n
+        return pressed >= self._feeling.touches
 
     def freeing(self, cell: Cell) -> Plan | None:
         """The movement that feels whether a part that is let go is free; None where nothing is
@@ -164,12 +161,12 @@ class Touch:
         self.felt_s += self._clock.now_s() - began_s
 
     async def _feel_free(self, cell: Cell) -> None:
-        held_n = -await self._upward_n()
-        if held_n > self._robot.touch_force_n:
+        felt = await self._upward()
+        if -felt > self._feeling.touches:
             raise CellFault(
                 "part_stuck",
-                f"The part at {list(cell)} holds the gripper with {held_n:.1f} N although the "
-                "latch is open.",
+                f"The gripper is {self._feeling.told(felt)} by the part at {list(cell)}, although "
+                "the latch is open.",
             )
 
     async def _go(self, cell: Cell, above_m: float, travel: Travel, *, carrying: bool) -> None:
@@ -179,19 +176,19 @@ class Touch:
             )
         )
 
-    async def _upward_n(self) -> float:
+    async def _upward(self) -> float:
         """The mean of the next readings, along the vertical."""
         readings: list[float] = []
         told_s = -1.0
-        while len(readings) < _READINGS[self._robot.model]:
+        while len(readings) < self._feeling.resting:
             state = self._hands.state()
             if state.robot_time_s != told_s:
                 told_s = state.robot_time_s
-                readings.append(float(self._upward @ state.tcp_force_n))
+                readings.append(self._feeling.upward(state))
             await self._clock.sleep(_POLL_S)
         return fmean(readings)
 
 
-def contact_early(cell: Cell, met_n: float) -> CellFault:
+def contact_early(cell: Cell, felt: str) -> CellFault:
     """The part that goes to a cell has met something above its seat."""
-    return CellFault("contact_early", f"At {list(cell)} it is pressed up with {met_n:.0f} N.")
+    return CellFault("contact_early", f"At {list(cell)} it is {felt}.")

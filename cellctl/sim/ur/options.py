@@ -19,6 +19,13 @@ TOOL_VOLTAGES_V = (0, 12, 24)
 FORCE_NOISE_N = {"ur10e": 1.0, "ur10": 4.0}
 """Assumed standard deviation of each component of the force at the TCP: an e-Series has a sensor, a
 CB3 reckons from the joints' currents."""
+GIVING_M_N = {"ur10e": 0.0, "ur10": 5e-5}
+"""Assumed: how far an arm is pushed off its controller's target for each newton at the TCP. That of
+an e-Series is not asked for, and taken for stiff."""
+FOLLOWING_S = {"ur10e": 0.0, "ur10": 0.008}
+"""Assumed: so far behind its target an arm is that moves, as a time at its speed."""
+PLACE_NOISE_M = {"ur10e": 0.0, "ur10": 2e-5}
+"""Assumed standard deviation of where the TCP is, by its joints' encoders."""
 _TURN = 2.0 * math.pi
 _SLOW_RAD_S = math.radians(120.0)
 _FAST_RAD_S = math.radians(180.0)

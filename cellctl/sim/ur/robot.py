@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 
@@ -13,7 +13,15 @@ from cellctl.sim.plant import Plant
 from cellctl.sim.ur.arm import Arm
 from cellctl.sim.ur.lines import Lines
 from cellctl.sim.ur.machine import ProgramError
-from cellctl.sim.ur.options import FORCE_NOISE_N, Six, UrOptions, Vector
+from cellctl.sim.ur.options import (
+    FOLLOWING_S,
+    FORCE_NOISE_N,
+    GIVING_M_N,
+    PLACE_NOISE_M,
+    Six,
+    UrOptions,
+    Vector,
+)
 from cellctl.sim.ur.program import ControlProgram
 from cellctl.sim.ur.registers import Registers, input_register
 from cellctl.sim.ur.rtde import InputValue
@@ -331,12 +339,10 @@ class Robot:
         registers.actual_q = registers.target_q = arm.joints_rad
         registers.actual_qd = registers.target_qd = arm.velocity_rad_s
         registers.target_qdd = arm.acceleration_rad_s2
-        registers.actual_TCP_pose = registers.target_TCP_pose = arm.tcp_pose
         registers.actual_TCP_speed = registers.target_TCP_speed = arm.tcp_twist
-        x_n, y_n, z_n = (
-            force_n + self._noise.gauss(0.0, self._noise_n)
-            for force_n in self._plant.tcp_force_n().tolist()
-        )
+        outside_n = self._plant.tcp_force_n().tolist()
+        self._show_place(outside_n)
+        x_n, y_n, z_n = (force_n + self._noise.gauss(0.0, self._noise_n) for force_n in outside_n)
         registers.actual_TCP_force = (x_n, y_n, z_n, 0.0, 0.0, 0.0)
         registers.tcp_force_scalar = math.hypot(x_n, y_n, z_n)
         registers.tcp_offset = arm.tcp_offset
@@ -349,6 +355,25 @@ class Robot:
         powered = self.safety.robot_mode is not RobotMode.POWER_OFF
         playing = self.runtime is Runtime.PLAYING
         registers.robot_status_bits = int(powered) | int(playing) << 1 | 1 << 3
+
+    def _show_place(self, outside_n: Sequence[float]) -> None:
+        """Where the TCP is wanted and where it is: behind while it moves, and pushed off by what it
+        meets."""
+        options, arm = self.options, self.arm
+        giving, behind_s = GIVING_M_N[options.model], FOLLOWING_S[options.model]
+        x, y, z, *turn = arm.tcp_pose
+        ahead = [at + speed * behind_s for at, speed in zip((x, y, z), arm.tcp_twist, strict=False)]
+        # No arm is pushed farther: its controller stops it.
+        most_m = giving * options.tcp_force_limit_n
+        noise_m = PLACE_NOISE_M[options.model]
+        at = [
+            here
+            + max(-most_m, min(most_m, giving * force_n))
+            + (self._noise.gauss(0.0, noise_m) if noise_m > 0.0 else 0.0)
+            for here, force_n in zip((x, y, z), outside_n, strict=True)
+        ]
+        self.registers.target_TCP_pose = _pose(ahead, turn)
+        self.registers.actual_TCP_pose = _pose(at, turn)
 
     def truth(self) -> dict[str, object]:
         """Everything a test may want to know, as plain values; SI units, cell time."""
@@ -386,3 +411,8 @@ class Robot:
             },
             "counters": asdict(self.counters),
         }
+
+
+def _pose(at: Sequence[float], turn: Sequence[float]) -> Six:
+    (x, y, z), (rx, ry, rz) = at, turn
+    return (x, y, z, rx, ry, rz)
