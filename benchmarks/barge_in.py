@@ -41,22 +41,25 @@ DELAY_S = 0.15
 
 
 class Room:
-    """A microphone that hears the cell ask, and somebody talk over it.
+    """A microphone that hears the cell ask, and somebody talk over it; every sentence counts.
 
     Args:
         echo_db: how loud the cell is heard, against how loud it plays.
+        question: what it asks.
     """
 
-    def __init__(self, echo_db: float) -> None:
+    def __init__(self, echo_db: float, question: Samples) -> None:
         self._gain = 10.0 ** (echo_db / 20.0)
-        self._pipeline = Pipeline(SileroDetector())
-        self._pipeline.expecting = "command"
+        self._question = question
+        self._pipeline = Pipeline(SileroDetector(), open_to_all=True)
         self._feed(sounds.noise(2.0, 1, 0.0006))
+        self.asks(None, 0.0)  # it learns how loud the echo is
 
-    def asks(self, question: Samples, person: Samples | None, at_s: float) -> list[Segment]:
-        """What is heard while the question is asked; the echo was learned in the one before."""
+    def asks(self, person: Samples | None, at_s: float) -> list[Segment]:
+        """What is heard while the question is asked."""
+        question = self._question
         self._pipeline.own_voice_began(self._pipeline.now_s, _levels(question), False)
-        length_s = len(question) / SAMPLE_RATE_HZ + 1.0
+        length_s = len(question) / SAMPLE_RATE_HZ + 1.2
         sound = sounds.noise(length_s, 2, 0.0006).astype(np.float64)
         start = round(DELAY_S * SAMPLE_RATE_HZ)
         sound[start : start + len(question)] += self._gain * question
@@ -96,7 +99,8 @@ def main() -> int:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", action="store_true", help="print each answer that is missed")
-    every = parser.parse_args().every
+    parser.add_argument("--echo-db", type=float, nargs="*", default=ECHOES_DB)
+    arguments = parser.parse_args()
     if shutil.which("espeak-ng") is None:
         sys.exit("espeak-ng is needed for the voices.")
     settings = HearingSection()
@@ -109,31 +113,27 @@ def main() -> int:
             for text, voice, at_s in itertools.product(ANSWERS, VOICES, MOMENTS_S)
         ]
         talk = [say(text, voice, folder) for text in TALK for voice in VOICES[:3]]
-    for echo_db in ECHOES_DB:
+    for echo_db in arguments.echo_db:
+        room = Room(echo_db, question)
         counts: Counter[str] = Counter()
         for text, voice, at_s, sound in said:
-            room, told = Room(echo_db), list[str]()
-            room.asks(question, None, 0.0)
-            found = taken(settings, room.asks(question, sound, at_s), told)
+            told: list[str] = []
+            found = taken(settings, room.asks(sound, at_s), told)
             right = found == ANSWERS[text]
             counts["right" if right else "opposite" if found in {"yes", "no"} else found] += 1
-            if every and not right:
+            if arguments.every and not right:
                 _print(f"  {text!r} by {voice} at {at_s} s: {found} {told}")
-        false: Counter[str] = Counter()
+        others: Counter[str] = Counter()
         for number, sound in enumerate(talk):
-            room, told = Room(echo_db), list[str]()
-            room.asks(question, None, 0.0)
-            found = taken(settings, room.asks(question, sound, MOMENTS_S[number % 2]), told)
-            false[found] += 1
-            if every and found in {"yes", "no"}:
+            told = []
+            found = taken(settings, room.asks(sound, MOMENTS_S[number % 2]), told)
+            others[found] += 1
+            if arguments.every and found in {"yes", "no"}:
                 _print(f"  talk taken for {found}: {told}")
-        alone: Counter[str] = Counter()
-        room = Room(echo_db)
-        for _ in range(5):
-            alone[taken(settings, room.asks(question, None, 0.0), [])] += 1
+        alone = Counter(taken(settings, room.asks(None, 0.0), []) for _ in range(5))
         _print(
             f"echo {echo_db:.0f} dB: {counts['right']} of {len(said)} answers right, "
-            f"{dict(counts)}; of {len(talk)} other words {dict(false)}; echo alone {dict(alone)}"
+            f"{dict(counts)}; of {len(talk)} other words {dict(others)}; echo alone {dict(alone)}"
         )
     return 0
 

@@ -15,7 +15,7 @@ REFERENCE_LANGUAGE = "en"
 """The language whose file says which messages there are, and which fields each has."""
 
 WRITTEN = (
-    *("refused.", "design.", "plan.", "change.", "term.", "counted."),
+    *("refused.", "design.", "plan.", "route.", "change.", "term.", "counted."),
     *("told.", "doubt.", "fault.", "detail."),
 )
 """Tables of what is written where it arises, in the reference's language: for logs, for other

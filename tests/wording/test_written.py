@@ -17,8 +17,8 @@ from cellctl.wording import languages, load_wording
 from tests.leaks import REPOSITORY
 
 ENGLISH, GERMAN = load_wording("en"), load_wording("de")
-ROOMS = ("generating", "validating", "control", "feeding")
-"""Whose errors and changes people are told; those of the arm's own process are in ``ARM``."""
+ROOMS = ("generating", "validating", "control", "feeding", "assembling")
+"""Whose errors, faults and changes people are told."""
 SPEAKING = {
     *("RefusedError", "DesignError", "UnknownObjectError", "PlanError", "NoObjectError"),
     *("CellFault", "Change"),
@@ -35,7 +35,10 @@ COMPOSED = {
     "The arm cannot place every part of this object anywhere in the workspace. 7": "the same",
     "The belt is full; 7 to come off and no room on it.": "a number with its verb",
     "7 There should be 7 on the belt.": "begins with what was seen",
+    "7: 7.": "a place, and what the system says of it",
+    "At 7 7.": "a place, and what is felt there",
     "7: 7": "a defect, named by its class",
+    "The arm 7 7.": "what it cannot do, and where",
 }
 """Sentences whose literal part is no message: what they are made of is."""
 
