@@ -13,6 +13,7 @@ _Static_assert(1UL * STEPS_PER_PITCH_UNIT * PROTOCOL_PITCH_MAX *
 
 static void end(struct belt *belt, enum outcome outcome) {
     belt->outcome = outcome;
+    belt->short_of_stop = !belt->backward && belt->edge && outcome != INDEX_DONE;
     if (outcome == INDEX_NO_EDGE || outcome == INDEX_NO_MOTION) {
         belt->latched = outcome;
     }
@@ -29,7 +30,7 @@ void belt_index(struct belt *belt, bool backward, uint16_t pitch) {
     } else {
         belt->steps = (uint16_t)((uint32_t)steps * PROTOCOL_TRAVEL_LIMIT_PITCHES_PERCENT / 100);
     }
-    bool done = !backward && belt->sensor.level;
+    bool done = !backward && belt->sensor.level && !belt->short_of_stop;
     belt->outcome = done ? INDEX_DONE : INDEX_RUNNING;
 }
 
@@ -76,6 +77,9 @@ static void run(struct belt *belt) {
 void belt_tick(struct belt *belt, bool part, bool stall) {
     debounce_take(&belt->sensor, part, SENSOR_SAMPLES);
     debounce_take(&belt->stall, stall, STALL_SAMPLES);
+    if (!belt->sensor.level) {
+        belt->short_of_stop = false;
+    }
     if (belt_running(belt)) {
         run(belt);
     }

@@ -40,6 +40,7 @@ struct belt {
     bool backward;
     bool started;         /* the index that runs has begun to turn the motor */
     bool edge;            /* it has seen the part's edge */
+    bool short_of_stop;   /* the part that the sensor sees: its index was cut off behind the edge */
 };
 
 /* Let a millisecond pass. */

@@ -148,6 +148,48 @@ def test_forward_is_done_at_once_where_a_part_is(board: ConveyorBoard) -> None:
     assert board.motor().steps == 0
 
 
+def halted_behind_the_edge(board: ConveyorBoard) -> None:
+    """Bring a part, and halt the belt before it has pressed the part against the stop."""
+    board.set("edge", 3000)
+    assert board.ask("F", PITCH).kind is ReplyKind.BUSY
+    for _ in range(4000):
+        if board.motor().position > 3000 + SENSOR_DELAY_STEPS:
+            break
+        board.tick(1)
+        if board.motor().steps % 50 == 0:
+            board.ask("S")
+    assert board.ask("H").kind is ReplyKind.OK
+    board.tick(200)
+    assert board.motor().position < 3000 + SEAT_STEPS
+
+
+def test_forward_goes_on_with_a_part_that_was_left_short_of_the_stop(board: ConveyorBoard) -> None:
+    halted_behind_the_edge(board)
+    before = board.motor().position
+    reply = board.index("F")
+    assert reply.kind is ReplyKind.OK
+    assert indexes(reply) == 1
+    assert before + SEAT_STEPS <= board.motor().position <= before + SEAT_STEPS + 400
+    assert board.motor().position >= 3000 + SEAT_STEPS
+    # Now it is there.
+    at = board.motor().position
+    assert indexes(board.index("F")) == 1
+    assert board.motor().position == at
+
+
+def test_a_part_that_comes_when_another_left_short_is_gone_counts_as_there(
+    board: ConveyorBoard,
+) -> None:
+    halted_behind_the_edge(board)
+    board.set("edge", FAR)
+    board.tick(10)
+    board.set("edge", 0)
+    board.tick(10)
+    at = board.motor().position
+    assert board.ask("F", PITCH).kind is ReplyKind.OK
+    assert board.motor().position == at
+
+
 @pytest.mark.parametrize("pitch", [PITCH_MIN, PITCH, PITCH_MAX])
 def test_nothing_came_is_found_after_the_travel_limit(board: ConveyorBoard, pitch: int) -> None:
     assert board.index("F", pitch).error is ErrorCode.NO_EDGE
