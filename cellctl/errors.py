@@ -341,7 +341,8 @@ CATALOGUE: dict[str, FaultEntry] = _catalogue(
         causes=("The arm was moved by hand while its gripper was opening or closing.",),
         remedy=(
             "Reset, then bring the arm back with `cellctl hand` or the pendant and resume, or "
-            "cancel."
+            "cancel. If a part that stood came along: `cellctl missing` for its cell, then hold "
+            "the part and `cellctl hand open --part-held`."
         ),
     ),
     FaultEntry(

@@ -22,7 +22,7 @@ not_seated        reset missing resume
 part_stuck        reset resume
 part_fell         count reset cancel resume
 gripper_holds     reset open_held resume
-arm_moved         reset hand resume cancel
+arm_moved         reset missing open_held hand resume cancel
 no_route          reset rise resume cancel
 journal_damaged   reset count resume
 internal          reset resume cancel
