@@ -31,6 +31,9 @@ from cellctl.messages import PartPlace
 
 log = structlog.get_logger(__name__)
 
+_CLOSING = frozenset({ActKind.PICK, ActKind.GRIP})
+"""Acts in which the latch is told to close."""
+
 
 class Acting:
     """Keeps the journal of physical acts, and settles those that were cut off.
@@ -107,6 +110,9 @@ class Acting:
             CellFault: ``gripper_holds``: the latch holds something nobody knows of; or a device
                 does not answer.
         """
+        if any(act.kind in _CLOSING for act in self._journal.unsettled()):
+            # It may have been told a moment ago: what it will say counts, not what it says now.
+            await self._hands.wait_closed()
         # Nothing is forgotten before all devices have answered, and nothing waits in between.
         belt = await self._belt.state()
         arm = self._hands.state()

@@ -365,6 +365,16 @@ class ArmAndLatch:
         """
         await self.arm.set_output(self._config.gripper.command_output, self.is_told_open())
 
+    async def wait_closed(self) -> None:
+        """Give a latch that is told to close the time to confirm it.
+
+        Raises:
+            CellFault: of the arm.
+        """
+        if not self.is_told_open() and not self.latched():
+            lines = self._config.gripper
+            await self.arm.wait_input(lines.status_input, True, lines.travel_timeout_s)
+
     async def proves_latched(self) -> bool:
         """Whether the status line confirms a closed latch now, and for longer than it toggles."""
         waited_from_s = self._clock.now_s()

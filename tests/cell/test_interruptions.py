@@ -30,7 +30,12 @@ FAULTS = ("drop_connections", "kill_program", "protective_stop", "safeguard_stop
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[RunningCell]:
-    with running_cell(speed=5.0, limits={"inventory_parts": 8}, patience_s=240.0) as running:
+    with running_cell(
+        speed=5.0,
+        limits={"inventory_parts": 8},
+        gripper={"travel_timeout_s": 30.0},
+        patience_s=240.0,
+    ) as running:
         yield running
 
 
@@ -86,3 +91,24 @@ def test_each_phase_of_building_and_taking_apart(idle: RunningCell, how: str) ->
         interrupt(cell, state, how)
     assert cell.finish().outcome == "taken_apart"
     cell.assert_as_planned()
+
+
+def test_a_latch_that_still_closes_when_its_job_is_cancelled_has_its_part(
+    idle: RunningCell,
+) -> None:
+    cell = idle
+    content = Assembly.of(CELLS, pitch_m=0.1).model_dump_json().encode()
+    cell.client.build("object.json", content)
+    cell.wait_state("assembling_picking")
+    cell.world.inject("gripper_stuck")
+    cell.wait("a latch that closes", lambda now: now.gripper.holding == "latching")
+    cell.client.command("stop")
+    cell.wait_state("paused_resting")
+    cell.client.command("cancel")
+    cell.world.clear("gripper_stuck")
+    snapshot = cell.wait("the end", lambda now: now.job is not None and bool(now.job.outcome))
+    snapshot = cell.wait_state("paused_resting")
+    assert (snapshot.doubt, snapshot.gripper.holding) == ("", "part")
+    cell.assert_inventory_true()
+    cell.client.command("resume")
+    cell.wait_state("idle")
