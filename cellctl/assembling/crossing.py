@@ -17,6 +17,7 @@ from cellctl.assembling.poses import Floats, Matrix, inverse
 
 _CORNERS = 2
 """More of them would only slow the arm down."""
+_TINY_M = 1e-9
 _STRAIGHT_M = 0.004
 """A corner this little above the straight way is none: the way is checked as it is."""
 
@@ -25,9 +26,11 @@ class Wishes(NamedTuple):
     """Heights of the TCP above the floor that a way across must have, at even shares of it."""
 
     strict_m: Floats
-    """With what stands right beside the place where it begins."""
+    """With what stands right beside the places where it begins and ends."""
     leaving_m: Floats
     """Without what it only leads away from."""
+    sparing_m: Floats
+    """Without what it only leads towards, either."""
 
 
 def wishes(
@@ -49,7 +52,7 @@ def wishes(
         clearance_m: between what moves and what it passes, sideways too.
         cell_from_base: to measure heights.
     """
-    strict, leaving = np.zeros(len(points)), np.zeros(len(points))
+    strict, leaving, sparing = np.zeros((3, len(points)))
     for group in groups:
         top_from_frame = cell_from_base @ inverse(group.frame_from_base)
         tops_m = top_from_frame[2, 3] + group.high[:, 2]
@@ -57,13 +60,18 @@ def wishes(
             apart_m = group.sideways_all_m(body, points, rotations)
             near = apart_m < clearance_m
             # What stands beside the place where it begins, and that it only leads away from, need
-            # not be passed over: some clearance upward frees the faces that touched.
-            left = near[0] & ~(apart_m < -TOUCH_M).any(axis=0)
-            left &= (np.diff(apart_m, axis=0) > -TOUCH_M / len(points)).all(axis=0)
+            # not be passed over: some clearance upward frees the faces that touched. And so it is
+            # with what stands beside the place where it ends.
+            beside = ~(apart_m < -TOUCH_M).any(axis=0)
+            growing_m = np.diff(apart_m, axis=0)
+            most_m = TOUCH_M / len(points)
+            left = near[0] & beside & (growing_m > -most_m).all(axis=0)
+            met = near[-1] & beside & (growing_m < most_m).all(axis=0)
             wanted = np.where(near, tops_m + clearance_m + body.high[2], 0.0)
             strict = np.maximum(strict, wanted.max(axis=1, initial=0.0))
             leaving = np.maximum(leaving, wanted[:, ~left].max(axis=1, initial=0.0))
-    return Wishes(strict, leaving)
+            sparing = np.maximum(sparing, wanted[:, ~(left | met)].max(axis=1, initial=0.0))
+    return Wishes(strict, leaving, sparing)
 
 
 def profile(
@@ -85,16 +93,29 @@ def profile(
     heights[0], heights[-1] = max(start_m, wanted_m[0]), max(end_m, wanted_m[-1])
     hull: list[tuple[float, float]] = []
     for x, y in zip(np.linspace(0.0, 1.0, len(heights)).tolist(), heights.tolist(), strict=True):
-        while len(hull) >= 2 and _turns_upward(hull[-2], hull[-1], (x, y)):
+        while len(hull) >= 2 and _above_m(hull[-2], hull[-1], (x, y)) <= _TINY_M:
             hull.pop()
         hull.append((x, y))
-    return hull if len(hull) <= _CORNERS + 2 else [hull[0], _meet(hull), hull[-1]]
+    return _few(hull)
 
 
-def _turns_upward(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
-    """Whether b is not above the straight way from a to c."""
-    rise = a[1] + (c[1] - a[1]) * (b[0] - a[0]) / (c[0] - a[0])
-    return b[1] <= rise + _STRAIGHT_M
+def _few(hull: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Without corners that the way all but has where it goes straight; two more may stay, or one
+    that is above them all."""
+    kept = list(hull)
+    while len(kept) > 2:
+        lowest = min(range(1, len(kept) - 1), key=lambda i: _above_m(*kept[i - 1 : i + 2]))
+        first, last = kept[lowest - 1], kept[lowest + 1]
+        cut = [point for point in hull if first[0] < point[0] < last[0]]
+        if max(_above_m(first, point, last) for point in cut) > _STRAIGHT_M:
+            break
+        del kept[lowest]
+    return kept if len(kept) <= _CORNERS + 2 else [kept[0], _meet(kept), kept[-1]]
+
+
+def _above_m(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """How far b is above the straight way from a to c; negative below."""
+    return b[1] - a[1] - (c[1] - a[1]) * (b[0] - a[0]) / (c[0] - a[0])
 
 
 def _meet(hull: list[tuple[float, float]]) -> tuple[float, float]:

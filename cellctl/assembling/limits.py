@@ -18,6 +18,7 @@ from cellctl.assembling.arm import JointWaypoint, Path, Waypoint
 from cellctl.assembling.course import Course
 from cellctl.assembling.poses import Floats
 from cellctl.assembling.timing import Timing
+from cellctl.config import Joints
 
 _ROUNDS = 4
 _ENOUGH = 1.005
@@ -36,6 +37,15 @@ class JointLimits:
 
     speed_rad_s: Floats
     acceleration_rad_s2: Floats
+
+    def direct_s(self, one_rad: Joints, other_rad: Joints) -> float:
+        """How long the slowest joint takes from one position to another, from rest to rest, with
+        nothing in the way."""
+        way_rad = np.abs(np.subtract(one_rad, other_rad))
+        speed, rate = self.speed_rad_s, self.acceleration_rad_s2
+        cruising = way_rad / speed + speed / rate
+        short = way_rad < speed**2 / rate
+        return float(np.where(short, 2.0 * np.sqrt(way_rad / rate), cruising).max())
 
 
 class Use:

@@ -9,6 +9,7 @@ the arm, the gripper and its part sweep.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 from cellctl.assembling.arm import Path
@@ -16,7 +17,7 @@ from cellctl.assembling.frames import Frames
 from cellctl.assembling.hand_routes import HandRoutes
 from cellctl.assembling.kinematics import Kinematics, same_configuration
 from cellctl.assembling.latch_gripper import STEADY_S
-from cellctl.assembling.poses import Matrix, to_matrix, to_pose
+from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
 from cellctl.assembling.route_finder import RouteFinder
 from cellctl.assembling.take_off import TakeOffRoutes
@@ -360,6 +361,18 @@ class RoutePlanner:
         what is felt there."""
         freeing_s = FREEING_S if self._depth_m > 0.0 else 0.0
         return self.opening_s + freeing_s + (SEATING_S if self.presses(cell, placed) else 0.0)
+
+    def away_s(self, cell: Cell) -> float:
+        """How far a cell is from the pick station: what the arm takes at least, were nothing in the
+        way. Infinite where it does not reach."""
+        try:
+            there = self.place_stance(cell)
+        except PlanError:
+            return math.inf
+        pick = self.pick_stance()
+        way_m, _ = distance(pick.tcp_pose, there.tcp_pose)
+        turning_s = self._checker.limits.direct_s(pick.joints_rad, there.joints_rad)
+        return max(turning_s, way_m / self._robot.travel_speed_m_s)
 
     def reachable(self, cell: Cell) -> bool:
         """Whether a part can be brought to a cell, with its approach, where nothing else stands."""

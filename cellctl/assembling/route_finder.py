@@ -29,6 +29,8 @@ _FLUSH_M = 0.0008
 """Joints that go straight all the way may overlap this much with what a part stands beside."""
 _STRAIGHT_LIFT_M = 0.032
 """Lifted so far and no way aside, a part comes off one that sticks to it on the belt."""
+_STRAIGHT_DOWN_M = 0.015
+"""The last of the way to a place beside others, below the curve that leads there."""
 
 
 class RouteFinder:
@@ -42,7 +44,9 @@ class RouteFinder:
 
     def __init__(self, config: CellConfig, frames: Frames, checker: RouteChecker) -> None:
         self._clearance_m = config.robot.clearance_m
-        self._lift_m = _STRAIGHT_LIFT_M + min(config.robot.blend_radius_m, self._clearance_m)
+        curve_m = min(config.robot.blend_radius_m, self._clearance_m)
+        self._lift_m = _STRAIGHT_LIFT_M + curve_m
+        self._arriving_m = max(self._clearance_m, _STRAIGHT_DOWN_M + curve_m)
         self._pitch_m = config.voxel.pitch_m
         self._frames = frames
         self._checker = checker
@@ -108,8 +112,8 @@ class RouteFinder:
         )
 
     def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
-        """Ways across, by their heights; the first one leads away from what stands beside its
-        beginning without passing over it."""
+        """Ways across, by their heights; the first ones lead away from what stands beside their
+        beginning, and towards what stands beside their end, without passing over it."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
         leaving_m = max(self._clearance_m, self._lift_m if scene.carrying else 0.0)
@@ -127,18 +131,23 @@ class RouteFinder:
         )
         bulge_m = heights - level_m
 
-        def level(wanted_m: Floats, begin_m: float) -> Shape:
-            (_, first_m), *between, (_, last_m) = crossing.profile(wanted_m, begin_m, to_m, bulge_m)
+        def level(wanted_m: Floats, begin_m: float, end_m: float) -> Shape:
+            (_, first_m), *between, (_, last_m) = crossing.profile(
+                wanted_m, begin_m, end_m, bulge_m
+            )
             tcps = [
                 self._frames.raised(_pose(points, rotations, share), height_m)
                 for share, height_m in between
             ]
             return Shape(first_m, last_m, 0.0, tuple(tcps))
 
-        strict = level(wanted.strict_m, from_m)
-        if np.array_equal(wanted.strict_m, wanted.leaving_m):
-            return [strict]
-        return [level(wanted.leaving_m, from_m + leaving_m), strict]
+        found = [level(wanted.strict_m, from_m, to_m)]
+        if not np.array_equal(wanted.strict_m, wanted.leaving_m):
+            found.insert(0, level(wanted.leaving_m, from_m + leaving_m, to_m))
+        if not np.array_equal(wanted.leaving_m, wanted.sparing_m):
+            begin_m, end_m = from_m + leaving_m, to_m + self._arriving_m
+            found.insert(0, level(wanted.sparing_m, begin_m, end_m))
+        return found
 
 
 def _pose(points: Floats, rotations: Floats, share: float) -> Matrix:

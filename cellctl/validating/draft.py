@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from cellctl.assembly import Cell, Change, Check, Closeness, Weakest
 from cellctl.config import LimitsSection
@@ -79,10 +80,17 @@ class Draft:
 
     def moved(self, dx: int, dy: int) -> Draft:
         """The same, so many cells further along x and y."""
+        return self._put(lambda cell: Cell(cell.x + dx, cell.y + dy, cell.z))
 
-        def there(cell: Cell) -> Cell:
-            return Cell(cell.x + dx, cell.y + dy, cell.z)
+    def mirrored(self, axis: Literal["x", "y"]) -> Draft | None:
+        """The same object in the mirrored order, which stands as well; None where its mirror image
+        is another object."""
+        ends = [getattr(cell, axis) for cell in self.order]
+        both = min(ends) + max(ends)
+        image = self._put(lambda cell: cell._replace(**{axis: both - getattr(cell, axis)}))
+        return replace(image, wanted=self.wanted) if image.cells == self.cells else None
 
+    def _put(self, there: Callable[[Cell], Cell]) -> Draft:
         verdicts = tuple(
             Verdict(
                 verdict.margin,

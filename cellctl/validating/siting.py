@@ -3,30 +3,37 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 
 from cellctl.assembling.route import RoutePlanner
 from cellctl.assembly import Assembly, BuildPlan, Cell, Check, Pace, Step, StepKind
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.validating.draft import Draft
-from cellctl.validating.rules import size_of
+from cellctl.validating.rules import Cells, size_of
+
+_AS_FAR_S = 0.01
+"""Two parts whose ways from the pick station differ by less are as far."""
 
 
 def site(draft: Draft, config: CellConfig, title: str, provenance: str) -> BuildPlan:
     """Stand an object, whose cells begin at [0, 0, 0], where the arm can place every part of it, as
-    central as possible.
+    near to the pick station as possible.
 
     Raises:
         PlanError: there is no such place.
     """
     planner = RoutePlanner(config)
     refused: PlanError | None = None
-    for dx, dy in _places(size_of(draft.cells), config.grid):
+    away_s = cache(planner.away_s)
+    for dx, dy in _places(draft.cells, config.grid, away_s):
         try:
-            return site_here(draft.moved(dx, dy), config, title, provenance, planner)
+            placed = _far_first(draft.moved(dx, dy), away_s)
+            return site_here(placed, config, title, provenance, planner)
         except PlanError as error:
             refused = refused or error
     assert refused is not None, "a place was tried"
@@ -106,11 +113,39 @@ def paced(plan: BuildPlan, pace: Pace, config: CellConfig) -> BuildPlan:
     return plan.model_copy(update={"steps": tuple(steps)})
 
 
-def _places(size: tuple[int, int, int], grid: tuple[int, int, int]) -> Iterator[tuple[int, int]]:
-    """Offsets at which an object stands within the grid, the most central first."""
-    room = (grid[0] - size[0], grid[1] - size[1])
-    offsets = [(dx, dy) for dx in range(room[0] + 1) for dy in range(room[1] + 1)]
-    yield from sorted(offsets, key=lambda o: (abs(2 * o[0] - room[0]) + abs(2 * o[1] - room[1]), o))
+def _places(
+    cells: Cells, grid: tuple[int, int, int], away_s: Callable[[Cell], float]
+) -> list[tuple[int, int]]:
+    """Offsets at which an object stands within the grid, those first at which its parts have the
+    shortest way from the pick station."""
+    size = size_of(cells)
+    offsets = itertools.product(range(grid[0] - size[0] + 1), range(grid[1] - size[1] + 1))
+
+    def way_s(offset: tuple[int, int]) -> float:
+        dx, dy = offset
+        return sum(away_s(Cell(cell.x + dx, cell.y + dy, cell.z)) for cell in sorted(cells))
+
+    return sorted(offsets, key=lambda offset: (way_s(offset), offset))
+
+
+def _far_first(draft: Draft, away_s: Callable[[Cell], float]) -> Draft:
+    """The order, or its mirror image where that is far more from far to near: then the arm passes
+    over less on its way."""
+    if draft.policy == "paper":
+        return draft
+    images = [image for axis in ("x", "y") if (image := draft.mirrored(axis)) is not None]
+    best = min(images, key=lambda image: _passed_over(image, away_s), default=draft)
+    much = 2 * _passed_over(best, away_s) < _passed_over(draft, away_s)
+    return best if much else draft
+
+
+def _passed_over(draft: Draft, away_s: Callable[[Cell], float]) -> int:
+    """How many pairs of a layer have the nearer part placed first."""
+    nearer = 0
+    for index, cell in enumerate(draft.order):
+        ways_s = (away_s(other) for other in draft.order[:index] if other.z == cell.z)
+        nearer += sum(way_s < away_s(cell) - _AS_FAR_S for way_s in ways_s)
+    return nearer
 
 
 def _steps(draft: Draft, planner: RoutePlanner) -> tuple[Step, ...]:

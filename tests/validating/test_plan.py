@@ -96,9 +96,14 @@ def test_the_papers_prompts(
         assert 1.0 < step.duration_s < 30.0
 
 
-def test_an_object_stands_in_the_middle_of_the_workspace() -> None:
+def test_an_object_stands_where_its_parts_have_the_shortest_way() -> None:
     plan = plan_build(generated(Box(0, 0, 0, 2, 1, 1)), CONFIG)
-    assert plan.assembly.cells == (Cell(2, 2, 0), Cell(3, 2, 0))
+    assert plan.assembly.cells == (Cell(0, 0, 0), Cell(1, 0, 0))
+
+
+def test_parts_are_placed_from_far_to_near_where_that_stands_as_well() -> None:
+    plan = plan_build(generated(Box(0, 0, 0, 4, 1, 1)), CONFIG)
+    assert [step.cell.x for step in plan.steps] == [3, 2, 1, 0]
 
 
 def test_the_same_object_has_the_same_plan_and_another_has_another() -> None:
