@@ -93,7 +93,10 @@ def test_what_became_of_the_legs_is_said_once() -> None:
 def test_a_margin_is_told_by_what_is_asked_for(margin: float, words: str) -> None:
     cells = cells_of(Box(0, 0, 0, 1, 1, 2))
     collapse = Collapses(moving=cells, state=cells, placed=None, margin=margin, joint="")
-    assert unstable(collapse, 2.0).words == f"It {words}"
+    found = unstable(collapse, 2.0)
+    assert found.words == f"It {words}"
+    # To a visitor it is told without figures.
+    assert found.plainly == f"It {words.partition(':')[0]}."
 
 
 def test_a_change_is_always_told() -> None:

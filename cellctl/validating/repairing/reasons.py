@@ -18,6 +18,8 @@ class Reason(NamedTuple):
     words: str
     cells: tuple[Cell, ...]
     """Where; sorted."""
+    plainly: str = ""
+    """The same without figures, for who only wants the object; empty where ``words`` has none."""
 
 
 def reasons(cells: Cells, size: Size, parts: int, grid: Size) -> tuple[Reason, ...]:
@@ -77,7 +79,8 @@ def unstable(collapse: Collapses, least_margin: float) -> Reason:
     elif collapse.margin > 0.0:
         strength = f": the magnets have {collapse.margin:.0%} of the strength that it takes"
     words = f"{when[0].upper()}{when[1:]}{where}{strength}."
-    return _reason("stability", words, collapse.moving)
+    plainly = f"{when[0].upper()}{when[1:]}."
+    return _reason("stability", words, collapse.moving)._replace(plainly=plainly)
 
 
 def times(size: Size) -> str:

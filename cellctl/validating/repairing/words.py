@@ -35,7 +35,7 @@ def describe(wanted: Wanted, built: Cells, why: tuple[Reason, ...]) -> tuple[Cha
     new = Wanted(built)
     before = Features(wanted.cells, wanted.size)
     after = Features(built, new.size)
-    reason = {found.rule: found.words for found in why}
+    reason = {found.rule: found.plainly or found.words for found in why}
     broken = [rule for rule in _LOSSES if rule in reason] or list(reason)
     lost, gained = reason[broken[0]], reason[broken[-1]]
     terms = wanted.terms(new.size)
