@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
@@ -21,6 +22,16 @@ class KioskSection(Section):
     public_url: str = ""
     """Address under which a visitor's phone reaches the page, such as ``http://cell.local:8080``;
     the code to take an object home shows it. Empty: no code, unless ``address`` is not loopback."""
+    host_names: tuple[str, ...] = ()
+    """Further names under which browsers reach the page. Its addresses, this computer's name (also
+    with ``.local``) and the one in ``public_url`` are known; a request that names another host is
+    refused, for somebody else may have pointed that name here."""
+    most_pages: Annotated[int, Field(ge=1, le=1000)] = 100
+    """So many pages may be open at once, of which one address may have 20; for browsers on this
+    computer there is always room."""
+    call_text: Annotated[str, Field(max_length=200)] = ""
+    """Whom a visitor should call when the cell needs help, such as ``Call 1234.``; shown with every
+    fault. Empty: a sentence that asks to tell the people who look after the cell."""
     theme: Literal["auto", "light", "dark"] = "auto"
     """``auto`` follows what the browser's system prefers; every visitor can choose."""
     visitors_may_act: bool = True
@@ -44,6 +55,9 @@ class KioskSection(Section):
             raise ValueError(
                 f"public_url must be like http://cell.local:8080 (not {parts.geturl()!r})"
             )
+        for name in self.host_names:
+            if not re.fullmatch(r"[A-Za-z0-9.-]{1,253}", name):
+                raise ValueError(f"host_names are names without a port (not {name!r})")
         return self
 
     @property

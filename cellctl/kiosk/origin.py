@@ -14,7 +14,12 @@ def address_of(request: Request) -> str:
 
 def is_here(request: Request) -> bool:
     """Whether it comes from the cell's own computer."""
+    return is_loopback(address_of(request))
+
+
+def is_loopback(address: str) -> bool:
+    """Whether a network address is the cell's own computer's."""
     try:
-        return ipaddress.ip_address(address_of(request)).is_loopback
+        return ipaddress.ip_address(address).is_loopback
     except ValueError:
         return False

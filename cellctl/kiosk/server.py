@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
+from http import HTTPStatus
 from pathlib import Path
 from typing import Final
 
 import structlog
 from fastapi import Request, Response
-from nicegui import app, ui
+from fastapi.responses import PlainTextResponse
+from nicegui import Client, app, ui
+from starlette.middleware.sessions import SessionMiddleware
 
 from cellctl.config import CellConfig
 from cellctl.kiosk.bus_link import BusLink
 from cellctl.kiosk.cookies import cookie_secret
+from cellctl.kiosk.guard import Guard
 from cellctl.kiosk.operator.login import FrontDoor
 from cellctl.kiosk.operator.page import operator_page
 from cellctl.kiosk.origin import is_here
@@ -26,14 +29,6 @@ log = structlog.get_logger(__name__)
 
 _RECONNECT_S: Final = 30.0
 """So long a browser that was cut off finds its page again as it was."""
-_POLICY: Final = (
-    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
-    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
-    "connect-src 'self'; worker-src 'self' blob:; object-src 'none'; "
-    "base-uri 'self'; form-action 'self'; frame-ancestors 'none'"
-)
-"""What a page may load: nothing from elsewhere. The page library evaluates what its own server
-sends, hence the two ``unsafe``."""
 
 
 def serve(config: CellConfig, key: Path | None = None) -> None:
@@ -56,7 +51,12 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
 
     app.on_startup(begin)
     app.on_shutdown(stack.aclose)
-    app.middleware("http")(_guarded)
+    secret = cookie_secret()
+    # The page library adds no sessions of its own then, and what is added last comes first.
+    app.add_middleware(SessionMiddleware, secret_key=secret, same_site="strict")
+    app.add_middleware(Guard, config=config, pages=_open_pages)
+    app.exception_handler(HTTPStatus.NOT_FOUND)(_not_found)
+    app.config.socket_io_js_transports = ["websocket"]
     app.add_static_files("/look", LOOK)
     _add_pages(site, files, door)
     add_files(files, config)
@@ -72,8 +72,7 @@ def serve(config: CellConfig, key: Path | None = None) -> None:
         show_welcome_message=False,
         reconnect_timeout=_RECONNECT_S,
         binding_refresh_interval=None,
-        storage_secret=cookie_secret(),
-        session_middleware_kwargs={"same_site": "strict"},
+        storage_secret=secret,
     )
 
 
@@ -107,11 +106,11 @@ def _secret(request: Request) -> str:
     return "" if is_here(request) else str(app.storage.browser["id"])
 
 
-async def _guarded(request: Request, go_on: Callable[[Request], Awaitable[Response]]) -> Response:
-    """Nothing from elsewhere may be loaded, and nobody else may frame the page."""
-    response = await go_on(request)
-    response.headers["Content-Security-Policy"] = _POLICY
-    response.headers["X-Content-Type-Options"] = "nosniff"
-    # Browsers say by it where a form came from; other sites are told nothing.
-    response.headers["Referrer-Policy"] = "same-origin"
-    return response
+def _open_pages() -> list[str]:
+    """The address of each page that is open, or was until a moment ago."""
+    return [client.ip for client in Client.instances.values()]
+
+
+async def _not_found(_: Request, __: Exception) -> Response:
+    """Nothing is there; the page library would make a page that says so, and keep it."""
+    return PlainTextResponse("There is no such page.", HTTPStatus.NOT_FOUND)
