@@ -171,7 +171,8 @@ class Entry(Element):
     Args:
         label: what is to be typed, for people and screen readers.
         button: words of the button.
-        send: gets what was typed, and the name of the question that stood around it then.
+        send: gets what was typed, and the name of the question that stood around it then; what it
+            refuses stays in the line.
         longest: most characters.
     """
 
@@ -182,7 +183,7 @@ class Entry(Element):
         self.classes("entry")
         self._send = send
         self._longest = longest
-        self._waiting = 0
+        self._waiting: list[str] = []
         self._sending = asyncio.Lock()
         name = f"entry-{self.id}"
         with self:
@@ -200,12 +201,15 @@ class Entry(Element):
             with box("button", "button button--plain entry__send", type="submit"):
                 icon("send")
                 Text("span", button, "sr-only")
+        # The words stay until they were taken: they may have to be sent again.
         self.on(
             "submit.prevent",
             self._submitted,
-            js_handler="(event) => { const field = event.target.elements.text;"
-            f" emit([field.value, {_ASKED}]); field.value = ''; }}",
+            js_handler=f"(event) => emit([event.target.elements.text.value, {_ASKED}])",
         )
+        self._input.on("input", js_handler="(event) => cellctl.typed(event.target)")
+        ui.run_javascript(f"cellctl.typedBefore({_quoted(name)})")
+        self._name = name
 
     def invite(self, label: str) -> None:
         """Say what may be typed."""
@@ -214,11 +218,14 @@ class Entry(Element):
     async def _submitted(self, event: Any) -> None:
         typed, asked = map(str, event.args)
         text = typed.strip()[: self._longest]
-        if not text or self._waiting >= _WAITING_MOST:
+        if not text or text in self._waiting or len(self._waiting) >= _WAITING_MOST:
             return
-        self._waiting += 1
+        self._waiting.append(text)
         try:
             async with self._sending:
-                await attempt(self, lambda: self._send(text, asked))
+                taken = await attempt(self, lambda: self._send(text, asked))
         finally:
-            self._waiting -= 1
+            self._waiting.remove(text)
+        if taken and not self.is_deleted:
+            with self:
+                ui.run_javascript(f"cellctl.taken({_quoted(self._name)}, {_quoted(text)})")

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
+from html import escape
 from pathlib import Path
 from typing import Final
 
@@ -72,11 +73,12 @@ def shell(site: Site, language: str, title: str, *, role: str, visitor: str = ""
     words = Words(language or site.config.dialogue.language)
     page = Page(site, words, visitor)
     ui.page_title(f"{words.say(title)} · {site.config.cell.name}")
-    _head(words.language, site.config.kiosk.theme)
+    _head(words, site.config.kiosk.theme)
     with box("div", f"page page--{role}") as whole:
         Text("a", words.say("page.skip"), "skip").props["href"] = "#content"
         _bar(page)
-        with box("main", "content", id="content", tabindex="-1"):
+        # The page library puts all of it into the page's main landmark.
+        with box("div", "content", id="content", tabindex="-1"):
             yield page
 
     def changed() -> None:
@@ -88,14 +90,15 @@ def shell(site: Site, language: str, title: str, *, role: str, visitor: str = ""
     ui.context.client.on_delete(site.mirror.watch(changed))
 
 
-def _head(language: str, theme: str) -> None:
+def _head(words: Words, theme: str) -> None:
     """Styles, and what must be known before anything is drawn."""
     sheets = "".join(
         f'<link rel="stylesheet" href="/look/{name}.css?{look_key()}">' for name in SHEETS
     )
     ui.add_head_html(
-        f'{sheets}<script src="/look/page.js?{look_key()}" data-language="{language}" '
-        f'data-theme="{theme}"></script>'
+        f'{sheets}<script src="/look/page.js?{look_key()}" data-language="{words.language}" '
+        f'data-theme="{theme}" data-lost="{escape(words.say("page.lost"))}" '
+        f'data-back="{escape(words.say("page.lost_back"))}"></script>'
     )
 
 

@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -85,12 +85,14 @@ class Visit:
         cell: the emulated cell and its daemon.
         kiosk: the process that serves the page.
         browser: a headless Chromium.
+        life: the daemon's, which ends when it is closed.
     """
 
     cell: RunningCell
     kiosk: KioskProcess
     browser: Browser
     folder: Path
+    life: ExitStack
 
     @contextmanager
     def open(self, path: str = "", size: Size = "kiosk", **options: Any) -> Iterator[OpenPage]:
@@ -107,6 +109,7 @@ def opened(
     size: Size = "kiosk",
     *,
     scheme: Literal["light", "dark"] = "light",
+    graphics: bool = True,
     **options: Any,
 ) -> Iterator[OpenPage]:
     """Open one page, and watch what goes wrong on it.
@@ -117,12 +120,15 @@ def opened(
         path: after it, such as ``operator`` or ``?lang=de``.
         size: of the screen.
         scheme: what the browser's system prefers.
+        graphics: whether it draws in three dimensions, which costs most of a browser's time here.
         options: further ones of ``Browser.new_context``.
     """
     width, height = SIZES[size]
     viewport: ViewportSize = {"width": width, "height": height}
     context = browser.new_context(viewport=viewport, color_scheme=scheme, **options)
     context.set_default_timeout(PATIENCE_S * 1000)
+    if not graphics:
+        context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page = context.new_page()
     found = OpenPage(page)
     own = urlsplit(url).netloc
@@ -160,14 +166,11 @@ def chromium(*arguments: str) -> Iterator[Browser]:
 
 
 @contextmanager
-def visit(
-    speed: float = 10.0, *, graphics: bool = True, **sections: dict[str, Any]
-) -> Iterator[Visit]:
+def visit(speed: float = 10.0, **sections: dict[str, Any]) -> Iterator[Visit]:
     """A cell that asks before it builds, with its page and a browser.
 
     Args:
         speed: cell seconds per wall second.
-        graphics: whether the browser draws in three dimensions, which costs most of its time.
         sections: settings to change, by section.
     """
     config = cell_config(**{"policy": {"confirmation": "ask"}, **sections})
@@ -176,12 +179,13 @@ def visit(
         own = with_own_page(isolated(config, folder, speed))
         with (
             emulated_cell(own, speed) as world,
-            watched_daemon(own, folder, world) as cell,
+            ExitStack() as life,
             kiosk_of(own, folder) as kiosk,
-            chromium(*(() if graphics else ("--disable-3d-apis",))) as browser,
+            chromium() as browser,
         ):
+            cell = life.enter_context(watched_daemon(own, folder, world))
             wait_idle(cell.client, cell.daemon)
-            yield Visit(cell, kiosk, browser, folder)
+            yield Visit(cell, kiosk, browser, folder, life)
 
 
 @contextmanager

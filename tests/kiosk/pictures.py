@@ -8,32 +8,52 @@ from __future__ import annotations
 
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from cellctl.messages import HistoryCommand, HistoryData
-from tests.kiosk.harness import OpenPage, Size, Visit, visit
+from playwright.sync_api import Browser
+
+from cellctl.assembly import Role
+from cellctl.cli.daemon_process import wait_idle
+from cellctl.cli.kiosk_process import KioskProcess, with_own_page
+from cellctl.client import CellClient
+from cellctl.config import CellConfig
+from cellctl.messages import HistoryCommand, HistoryData, RecoverCommand
+from cellctl.sim.client import SimClient
+from cellctl.sim.isolation import isolated
+from cellctl.sim.spawn import emulated_cell
+from tests.cell.harness import RunningCell, cell_config, watched_daemon
+from tests.cell.spoken import hearing, wait_for_ears
+from tests.kiosk.harness import PASSPHRASE, OpenPage, Size, chromium, kiosk_of, opened
+from tests.virtual_sound import virtual_sound
 
 _SPEED = 4.0
 _WISH = "a table with three legs"
+_BELT = 24
+"""Parts on a full belt, so that it is empty before the table is finished."""
+_CALL = "Please call 1234, or ask at the desk."
 _SCALE = 2 / 3
 """Pixels of a picture for each of the screen's: large enough to read, and small as a file."""
 _DRAWN_MS = 2500
 """So long a page has to draw its 3D view, on a computer without a graphics card."""
+_HAND_OVER = "thank you, it is mine"
 
 
 class Album:
-    """Takes pictures of one visit's page.
+    """Takes pictures of one cell's page.
 
     Args:
-        there: the visit.
+        browser: what shows it.
+        kiosk: what serves it.
         folder: where they go.
     """
 
-    def __init__(self, there: Visit, folder: Path) -> None:
-        self._there = there
+    def __init__(self, browser: Browser, kiosk: KioskProcess, folder: Path) -> None:
+        self._browser = browser
+        self._kiosk = kiosk
         self._folder = folder
 
     @contextmanager
@@ -41,84 +61,241 @@ class Album:
         """A page to take pictures of."""
         # Less motion: the same state gives the same picture.
         options = {"device_scale_factor": _SCALE, "reduced_motion": "reduce", **options}
-        with self._there.open(path, size, **options) as opened:
-            yield opened
+        with opened(self._browser, self._kiosk.url, path, size, **options) as page:
+            yield page
 
-    def take(self, opened: OpenPage, name: str) -> None:
+    @contextmanager
+    def operator(self, size: Size = "kiosk", **options: Any) -> Iterator[OpenPage]:
+        """The operator's view, logged in."""
+        with self.page(size, "operator", device_scale_factor=1.0, **options) as page:
+            page.page.set_viewport_size({"width": 1280, "height": 900})
+            page.page.fill("#passphrase", PASSPHRASE)
+            page.page.press("#passphrase", "Enter")
+            page.page.wait_for_selector(".now")
+            yield page
+
+    def take(self, opened: OpenPage, name: str, *, drawn_ms: int = _DRAWN_MS) -> None:
         """Take a picture."""
-        opened.page.wait_for_timeout(_DRAWN_MS)
+        opened.page.wait_for_timeout(drawn_ms)
         file = self._folder / f"{name}.png"
         opened.page.screenshot(path=file)
-        print(f"{file}: {file.stat().st_size / 1000:.0f} kB")  # noqa: T201 - a command's output
+        print(f"{file}: {file.stat().st_size / 1000:.0f} kB", flush=True)  # noqa: T201 - output
+
+    def also(self, name: str, phase: str, size: Size = "phone", path: str = "") -> None:
+        """A picture of the same state on another screen, in the dark."""
+        with self.page(size, path, scheme="dark") as other:
+            other.phase(phase)
+            self.take(other, name)
 
 
-def take_all(there: Visit, folder: Path) -> None:
-    """Bring the cell into each state, and take its picture."""
-    album, cell = Album(there, folder), there.cell
-    with album.page() as screen:
-        screen.phase("ready")
-        album.take(screen, "ready")
-        screen.type(_WISH)
-        screen.phase("asking")
-        album.take(screen, "asking")
-        with album.page("portrait", "?lang=de", scheme="dark") as portrait:
-            portrait.phase("asking")
-            album.take(portrait, "portrait")
-        with album.page("phone", scheme="dark") as phone:
-            phone.phase("asking")
-            album.take(phone, "phone")
-        screen.press("Yes")
-        screen.phase("building")
-        _wait_parts(there, 8)
-        cell.wait("a part in the gripper", lambda now: now.gripper.holding == "part")
-        album.take(screen, "building")
-        screen.press("Stop")
-        screen.phase("waiting")
-        album.take(screen, "stopped")
-        cell.client.command("resume")
-        cell.world.inject("belt_jam")
-        screen.phase("fault")
-        album.take(screen, "fault")
-        cell.world.clear("belt_jam")
-        cell.client.command("reset")
-        cell.wait_state("paused_resting")
-        cell.client.command("resume")
-        screen.phase("done")
-        album.take(screen, "done")
-        cell.client.command("take_apart")
-        screen.phase("asking")
-        album.take(screen, "taking-apart")
-        screen.press("No")
-    with album.page("phone", f"take/{_job(there)}") as home:
+def waking(album: Album, screen: OpenPage) -> None:
+    """A page whose cell nobody has started, and one whose cell starts."""
+    screen.phase("never")
+    album.take(screen, "never")
+
+
+def asking(album: Album, screen: OpenPage) -> None:
+    """A wish, and the question about it."""
+    screen.phase("ready")
+    album.take(screen, "ready")
+    album.also("ready-dark", "ready", "kiosk")
+    screen.type(_WISH)
+    screen.phase("thinking")
+    album.take(screen, "thinking", drawn_ms=0)
+    screen.phase("asking")
+    album.take(screen, "asking")
+    album.also("portrait", "asking", "portrait", "?lang=de")
+    album.also("phone", "asking")
+
+
+def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
+    """The build, with everything that interrupts one."""
+    screen.press("Yes")
+    screen.phase("building")
+    with CellClient.for_role(cell.config, Role.VISITOR) as anna:
+        anna.visitor = "a secret of Anna's own browser"
+        anna.say("call me Anna")
+        anna.say("a small bench")
+    _wait_parts(cell, 8)
+    cell.wait("a part in the gripper", lambda now: now.gripper.holding == "part")
+    album.take(screen, "building")
+    album.also("building-phone", "building")
+    with album.operator() as desk:
+        album.take(desk, "operator-cell")
+    screen.press("Stop")
+    screen.phase("waiting")
+    album.take(screen, "stopped")
+    with album.operator() as desk:
+        desk.page.click("#to-hand")
+        album.take(desk, "operator-hand")
+    cell.client.command("resume")
+    cell.world.inject("belt_jam")
+    screen.phase("fault")
+    album.take(screen, "fault")
+    album.also("fault-phone", "fault", path="?lang=de")
+    with album.operator() as desk:
+        album.take(desk, "operator-fault")
+    cell.world.clear("belt_jam")
+    cell.client.command("reset")
+    cell.wait_state("paused_resting")
+    cell.client.command("resume")
+    cell.wait_state("feeding_refilling")
+    screen.says("I need more parts")
+    album.take(screen, "refilling")
+    cell.refill()
+    screen.phase("done")
+    album.take(screen, "done")
+
+
+def afterwards(album: Album, screen: OpenPage, cell: RunningCell) -> None:
+    """What can become of an object."""
+    screen.type(_HAND_OVER)
+    screen.says("Do you take it along?")
+    album.take(screen, "hand-over")
+    screen.press("No")
+    screen.phase("done")
+    screen.press("Take it apart")
+    screen.says("Shall I take it apart?")
+    album.take(screen, "taking-apart-asked")
+    screen.press("Yes")
+    screen.phase("taking_apart")
+    cell.wait("some parts less", lambda now: now.job is not None and now.job.parts_placed >= 12)
+    album.take(screen, "taking-apart")
+    assert cell.finish().outcome == "taken_apart"
+
+
+def behind(album: Album, cell: RunningCell) -> None:
+    """The operator's view of what was, and what to take home of it."""
+    job = _job(cell)
+    with album.page("phone", f"take/{job}") as home:
         home.page.wait_for_selector("h1")
         album.take(home, "take-home")
-    with album.page() as screen:
-        screen.phase("ready", "done")
-        there.cell.daemon.process.send_signal(signal.SIGSTOP)
-        screen.page.wait_for_selector('.page[data-stale="true"]')
-        album.take(screen, "stale")
-        there.cell.daemon.process.send_signal(signal.SIGCONT)
+    with album.operator() as desk:
+        desk.page.click("#to-parts")
+        album.take(desk, "operator-parts")
+        desk.page.click("#to-history")
+        desk.page.locator(".job", has_text="built").first.click()
+        album.take(desk, "operator-history")
+    with album.operator("phone", scheme="dark") as desk:
+        desk.page.set_viewport_size({"width": 390, "height": 844})
+        album.take(desk, "operator-phone")
 
 
-def _wait_parts(there: Visit, count: int) -> None:
-    there.cell.wait(f"{count} parts", lambda now: len(now.standing) >= count)
+def stale(album: Album, screen: OpenPage, cell: RunningCell) -> None:
+    """A cell that has fallen silent."""
+    cell.daemon.process.send_signal(signal.SIGSTOP)
+    screen.page.wait_for_selector('.page[data-stale="true"]')
+    album.take(screen, "stale")
+    cell.daemon.process.send_signal(signal.SIGCONT)
 
 
-def _job(there: Visit) -> str:
-    """The last job that built something: the one before the taking apart that was declined."""
-    reply = there.cell.client.request(HistoryCommand())
+def doubtful(album: Album, cell: RunningCell) -> None:
+    """A part of which nobody knows where it is."""
+    cell.world.inject("speed_slider", fraction=0.1)
+    cell.client.say("the letter T")
+    cell.wait_state("validating_confirming")
+    cell.client.confirm(True)
+    cell.wait(
+        "an arm on its way",
+        lambda now: now.state.state == "assembling_picking" and now.arm.moving,
+    )
+    cell.world.inject("gripper_fault")
+    cell.world.inject("speed_slider", fraction=1.0)
+    cell.wait("a doubt", lambda now: bool(now.doubt))
+    cell.world.clear("gripper_fault")
+    cell.client.command("reset")
+    cell.wait_state("paused_resting")
+    with album.operator() as desk:
+        album.take(desk, "operator-doubt")
+    cell.client.request(RecoverCommand(part="station"))
+    cell.client.command("cancel")
+    cell.wait_state("paused_resting")
+    cell.client.command("resume")
+    cell.wait_state("idle")
+
+
+def _wait_parts(cell: RunningCell, count: int) -> None:
+    cell.wait(f"{count} parts", lambda now: len(now.standing) >= count)
+
+
+def _job(cell: RunningCell) -> str:
+    """The last job that built something."""
+    reply = cell.client.request(HistoryCommand())
     assert isinstance(reply.data, HistoryData)
     return next(job.job_id for job in reply.data.jobs if job.outcome == "built")
 
 
+@contextmanager
+def _page_of(
+    folder: Path, **sections: dict[str, Any]
+) -> Iterator[tuple[CellConfig, SimClient, Browser, KioskProcess]]:
+    """An emulated cell without a daemon, its page, and a browser."""
+    config = with_own_page(isolated(cell_config(**sections), folder, _SPEED))
+    with (
+        emulated_cell(config, _SPEED) as world,
+        kiosk_of(config, folder) as kiosk,
+        chromium() as browser,
+    ):
+        yield config, world, browser, kiosk
+
+
+def without_a_microphone(pictures: Path) -> None:
+    """All states of a cell that is typed to."""
+    sections: dict[str, dict[str, Any]] = {
+        "cell": {"name": "Voxel cell"},
+        "feeder": {"capacity_parts": _BELT},
+        "kiosk": {"public_url": "http://cell.local:8080", "call_text": _CALL},
+        "policy": {"confirmation": "ask", "confirmation_timeout_s": 1200.0},
+    }
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        with _page_of(folder, **sections) as (config, world, browser, kiosk):
+            album = Album(browser, kiosk, pictures)
+            with album.page() as screen:
+                waking(album, screen)
+                with watched_daemon(config, folder, world) as cell:
+                    screen.phase("starting")
+                    album.take(screen, "starting", drawn_ms=300)
+                    wait_idle(cell.client, cell.daemon)
+                    asking(album, screen)
+                    building(album, screen, cell)
+                    afterwards(album, screen, cell)
+                    # Anna's turn has come.
+                    screen.phase("asking")
+                    screen.press("No")
+                    screen.phase("ready")
+                    behind(album, cell)
+                    doubtful(album, cell)
+                    stale(album, screen, cell)
+
+
+def with_a_microphone(pictures: Path) -> None:
+    """The states of hearing."""
+    sections = hearing("push_to_talk", _SPEED) | {"cell": {"name": "Voxel cell"}}
+    with virtual_sound(), tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        with (
+            _page_of(folder, **sections) as (config, world, browser, kiosk),
+            watched_daemon(config, folder, world) as cell,
+        ):
+            album = Album(browser, kiosk, pictures)
+            wait_idle(cell.client, cell.daemon)
+            wait_for_ears(cell)
+            with album.page() as screen:
+                screen.phase("ready")
+                album.take(screen, "ready-microphone")
+                screen.press("Talk")
+                screen.phase("hearing")
+                album.take(screen, "hearing", drawn_ms=300)
+
+
 def main() -> None:
-    """Entry point."""
-    folder = Path(sys.argv[1])
+    """Entry point: ``FOLDER``, and ``typed`` or ``spoken`` for some of them only."""
+    folder, only = Path(sys.argv[1]), sys.argv[2:]
     folder.mkdir(parents=True, exist_ok=True)
-    kiosk = {"public_url": "http://cell.local:8080"}
-    policy = {"confirmation": "ask", "confirmation_timeout_s": 1200.0}
-    with visit(_SPEED, policy=policy, kiosk=kiosk) as there:
-        take_all(there, folder)
+    for name, take in (("spoken", with_a_microphone), ("typed", without_a_microphone)):
+        if not only or name in only:
+            take(folder)
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ class Scene:
             case "building" | "taking_apart":
                 offers += ["stop", "cancel"]
             case "waiting":
-                offers += ["stop"]
+                offers += ["stop"] if self.state != "paused_resting" else []
                 offers += ["cancel"] if self.active and self.state in _LEAVABLE else []
         if self.ears in _EARS_AT_WORK and self.phase not in {"starting", "fault"}:
             offers.append("talk")

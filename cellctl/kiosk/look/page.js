@@ -89,5 +89,37 @@ window.cellctl = (() => {
     target.querySelector("input:not([disabled]), button:not([disabled])")?.focus();
   };
 
-  return { save, theme, notice, light, tabKeys, leadTo };
+  // What is typed and not yet taken outlives the page that it was typed into.
+  const TYPED = "cellctl-typed";
+  const typed = (field) => {
+    try {
+      sessionStorage.setItem(TYPED, field.value);
+    } catch {
+      // it lives as long as the page
+    }
+  };
+  const typedBefore = (id) => {
+    const field = document.getElementById(id);
+    try {
+      if (field && !field.value) field.value = sessionStorage.getItem(TYPED) ?? "";
+    } catch {
+      // nothing was kept
+    }
+  };
+  const taken = (id, text) => {
+    const field = document.getElementById(id);
+    if (!field || field.value.trim() !== text) return;
+    field.value = "";
+    typed(field);
+  };
+
+  // The page library tells in English that its server is gone.
+  const { lost, back } = document.currentScript.dataset;
+  document.addEventListener("DOMContentLoaded", () => {
+    const said = document.querySelectorAll("#popup span");
+    [lost, back].forEach((text, at) => said[at] && (said[at].textContent = text));
+    document.getElementById("popup")?.setAttribute("role", "alert");
+  });
+
+  return { save, theme, notice, light, tabKeys, leadTo, typed, typedBefore, taken };
 })();

@@ -21,11 +21,11 @@ class Records:
                     Button(say("history.refresh"), self.open, kind="quiet", picture="another")
                 Text("p", say("records.logs_what"), "small")
                 self._none = Text("p", say("records.none"), "small")
-                self._logs = box("ol", "lines")
+                self._logs = box("ol", "lines", tabindex="0")
             with box("section", "panel", aria_labelledby="audit"):
                 Text("h2", say("records.audit"), "panel__title").props["id"] = "audit"
                 Text("p", say("records.audit_what"), "small")
-                self._audit = box("ol", "lines")
+                self._audit = box("ol", "lines", tabindex="0")
 
     async def open(self) -> None:
         """Ask for both, and show them."""

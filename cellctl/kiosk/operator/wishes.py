@@ -18,7 +18,7 @@ class Wishes:
         title = desk.words.say("wishes.title")
         with box("section", "panel", aria_labelledby="wishes") as self._whole:
             Text("h2", title, "panel__title").props["id"] = "wishes"
-            self._list = box("ol", "lines")
+            self._list = box("ol", "lines", tabindex="0")
 
     def show(self, snapshot: Snapshot | None) -> None:
         """Show who waits now."""

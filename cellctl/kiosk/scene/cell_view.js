@@ -267,17 +267,32 @@ export default {
       this.renderer.render(this.scene, this.camera);
     },
 
+    // Tells the style sheet where the plates are, so that the captions are right below them.
+    placeCaptions() {
+      this.camera.updateMatrixWorld();
+      const radius = this.apart - this.geometry.pitch_m * 0.3;
+      const seen = (x, y) => new THREE.Vector3(x, y, 0).project(this.camera);
+      const across = (x) => `${(50 + 50 * seen(x, 0).x).toFixed(1)}%`;
+      const apart = this.pair ? this.apart : 0;
+      const style = this.$el.closest("figure")?.style;
+      style?.setProperty("--shape-x", across(apart));
+      style?.setProperty("--voxels-x", across(-apart));
+      const low = seen(apart, radius).y;
+      style?.setProperty("--captions-y", `${(50 - 50 * low + 2).toFixed(1)}%`);
+    },
+
     look() {
       const narrow = Math.min(1, this.camera.aspect / 1.05);
       if (this.mode === "table") {
         const width = this.pair ? 4 * this.apart : 2.4 * this.apart;
         const height = this.size.z + 0.35 * width;
         const fit = Math.max(height, width / this.camera.aspect);
-        const away = (0.62 * fit) / Math.tan((this.camera.fov * Math.PI) / 360);
+        const away = (0.56 * fit) / Math.tan((this.camera.fov * Math.PI) / 360);
         const target = new THREE.Vector3(0, 0, this.size.z * 0.46);
         this.camera.position.set(0, away * 0.9, target.z + away * 0.38);
         this.camera.lookAt(target);
         this.sun.target.position.copy(target);
+        this.placeCaptions();
         return;
       }
       const sway = this.still.matches ? 0.25 : Math.sin((this.time * 2 * Math.PI) / SWAY_S);

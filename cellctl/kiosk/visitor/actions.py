@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from cellctl.errors import RefusedError
 from cellctl.kiosk.components import Action, Button, Entry, Kind, asked_of, box, shown
 from cellctl.kiosk.shell import Page
 from cellctl.kiosk.visitor.telling import Telling
@@ -37,7 +38,8 @@ _COMMANDS: Final[dict[Offer, Command]] = {
     "stop": PlainCommand(command="stop"),
 }
 """What each sends, beside yes and no."""
-_TYPED_IN: Final = frozenset({"ready", "done", "asking", "hearing", "building", "taking_apart"})
+_AT_WORK: Final = frozenset({"building", "taking_apart"})
+_TYPED_IN: Final = _AT_WORK | {"ready", "done", "asking", "hearing"}
 """Phases in which words are listened to, and typed ones as well."""
 
 
@@ -59,7 +61,7 @@ class Actions:
                         classes=f"offer offer--{offer}",
                     )
             self._entry = Entry(
-                words.say("visit.type"), words.say("visit.send"), self._typed, MAX_TEXT
+                words.say("visit.type"), words.say("visit.send"), self.say, MAX_TEXT
             )
 
     def _doing(self, offer: Offer) -> Action:
@@ -74,7 +76,18 @@ class Actions:
         """An answer to the question that was shown, and to no later one."""
         return ConfirmCommand(answer=offer == "yes", asked=self._buttons[offer].asked)
 
-    async def _typed(self, text: str, asked: str) -> None:
+    async def say(self, text: str, asked: str = "") -> None:
+        """Say something to the cell.
+
+        Args:
+            text: what.
+            asked: name of the question that it may be an answer to; empty for none.
+
+        Raises:
+            CellctlError: it does not hear, or says no.
+        """
+        if self._page.site.mirror.stale:
+            raise RefusedError(self._page.words.say("visit.unheard"))
         body = SayCommand(text=text, asked=asked)
         await self._page.site.link.ask(body, visitor=self._page.visitor)
 
@@ -85,12 +98,25 @@ class Actions:
         shown(self._whole, now.phase != "never")
         stale = page.site.mirror.stale
         # A visitor's own device cannot be talked to: the microphone is the cell's.
-        offers = set(now.offers) - ({"talk"} if page.visitor else set())
+        silent = bool(page.visitor) or now.phase == "hearing"
+        offers = set(now.offers) - ({"talk"} if silent else set())
         for offer, button in self._buttons.items():
             shown(button, offer in offers)
             # Stop is always tried: it fails safe.
             button.enable(not stale or offer == "stop")
+        designing = now.phase == "thinking"
+        self._buttons["cancel"].label.say(
+            page.words.say("offer.cancel_thinking" if designing else "offer.cancel")
+        )
         shown(self._row, bool(offers & self._buttons.keys()))
         shown(self._entry, now.phase in _TYPED_IN)
-        key = "visit.type_change" if "change" in now.offers else "visit.type"
-        self._entry.invite(page.words.say(key))
+        self._entry.invite(page.words.say(_invitation(now)))
+
+
+def _invitation(now: Telling) -> str:
+    """The key of what may be typed."""
+    if "change" in now.offers:
+        return "visit.type_change"
+    if now.phase == "asking":
+        return "visit.type_answer"
+    return "visit.type_turn" if now.phase in _AT_WORK else "visit.type"

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from cellctl.kiosk.components import Text, attribute, box, icon, shown
 from cellctl.kiosk.shell import Page, duration
 from cellctl.kiosk.visitor.actions import Actions
+from cellctl.kiosk.visitor.examples import Examples
+from cellctl.kiosk.visitor.help import Help
 from cellctl.kiosk.visitor.panels import Changes, Countdown, Progress, Queue, Said, TakeHome
 from cellctl.kiosk.visitor.stage import Stage
 from cellctl.kiosk.visitor.telling import Telling, telling
@@ -15,6 +19,10 @@ def visitor_page(page: Page) -> None:
     page.follow(_Visit(page).show)
 
 
+_NEEDS: Final = {"parts": "visit.need_parts", "look": "visit.need_look"}
+"""What is told of a cell that waits for people."""
+
+
 class _Visit:
     """The elements of one open page, and what they show."""
 
@@ -22,7 +30,7 @@ class _Visit:
         self._page = page
         with box("section", "visit") as self._whole:
             self._stage = Stage(page)
-            with box("div", "visit__words"):
+            with box("div", "visit__words") as self._words:
                 self._ears = _Ears(page)
                 with box("div", "visit__now", aria_live="polite"):
                     self._state = Text("h1", "", "visit__state")
@@ -30,6 +38,7 @@ class _Visit:
                 self._countdown = Countdown(page)
                 self._stale = Text("p", "", "visit__stale")
                 self._stale.props["role"] = "status"
+                self._help = Help(page)
                 self._said = Said(page)
                 self._progress = Progress(page)
                 self._changes = Changes(page)
@@ -38,8 +47,11 @@ class _Visit:
             # Not hidden but left out: what is not there cannot be pressed from elsewhere either.
             may = page.site.config.kiosk.visitors_may_act
             self._actions = Actions(page) if may else None
+            with self._words:
+                send = self._actions.say if self._actions is not None else None
+                self._examples = Examples(page, send)
         self._panels = (
-            *(self._countdown, self._said, self._progress),
+            *(self._countdown, self._help, self._said, self._progress, self._examples),
             *(self._changes, self._home, self._queue),
         )
 
@@ -50,10 +62,12 @@ class _Visit:
         attribute(self._whole, "data-phase", now.phase)
         self._state.say(words.say(_headline(now)))
         never = now.phase == "never"
-        sentence = words.say("page.never_sentence") if never else now.sentence
+        # What the cell says then is for those who help it.
+        own = "page.never_sentence" if never else _NEEDS.get(now.need, "")
+        sentence = words.say(own) if own else now.sentence
         # What only repeats the headline is not said twice.
         self._sentence.show("" if sentence == self._state.text else sentence)
-        attribute(self._sentence, "lang", words.language if never else now.language)
+        attribute(self._sentence, "lang", words.language if own else now.language)
         age = duration(words, mirror.age_s) if mirror.stale and not never else ""
         self._stale.show(words.say("page.stale_sentence", age=age) if age else "")
         for part in self._panels:
@@ -68,6 +82,8 @@ def _headline(now: Telling) -> str:
     """The key of what is readable from across the room."""
     if now.phase == "asking" and now.question in {"take_apart", "hand_over"}:
         return f"phase.asking_{now.question}"
+    if now.phase == "waiting" and now.need:
+        return f"phase.waiting_{now.need}"
     return f"phase.{now.phase}"
 
 
@@ -93,4 +109,10 @@ class _Ears:
         shown(self._whole, snapshot is not None and not stale)
         shown(self._on, hears)
         shown(self._off, not hears)
-        self._text.say(self._page.words.say("ears.speaking" if now.speaking else f"ears.{state}"))
+        self._text.say(self._page.words.say(f"ears.{self._key(now, state)}"))
+
+    def _key(self, now: Telling, state: str) -> str:
+        if now.speaking:
+            return "speaking"
+        by_button = self._page.site.config.hearing.activation == "push_to_talk"
+        return "waiting_press" if state == "waiting" and by_button else state

@@ -26,6 +26,9 @@ Phase = Literal[
 is said now is a request; ``done``: an object is finished and stands."""
 
 
+Need = Literal["", "parts", "look", "help"]
+"""What people have to do before the cell goes on: lay parts on the belt, look after a cell that was
+stopped, or see to a fault."""
 _AT_REST = frozenset({"ready", "done"})
 """Phases in which the wish before is of no interest any more."""
 
@@ -45,6 +48,7 @@ class Telling:
     """Name of the question that is open, which an answer carries."""
     deadline: datetime | None = None
     offers: tuple[Offer, ...] = ()
+    need: Need = ""
     heard: str = ""
     understood: str = ""
     changes: tuple[Change, ...] = ()
@@ -79,6 +83,7 @@ def telling(snapshot: Snapshot | None) -> Telling:
         asked=talk.asked,
         deadline=talk.deadline,
         offers=talk.offers,
+        need=_need(snapshot),
         heard=talk.heard if phase not in _AT_REST else "",
         understood=talk.understood if phase not in _AT_REST else "",
         changes=job.changes if job is not None and phase in {"asking", "building"} else (),
@@ -100,6 +105,15 @@ def _phase(snapshot: Snapshot) -> Phase:
     if talk.phase == "ready" and snapshot.standing and job is not None and job.outcome == "built":
         return "done"
     return talk.phase
+
+
+def _need(snapshot: Snapshot) -> Need:
+    state = snapshot.state.state
+    if snapshot.dialogue.phase == "fault":
+        return "help"
+    if state == "feeding_refilling":
+        return "parts"
+    return "look" if state.startswith("paused") else ""
 
 
 def _sentence(snapshot: Snapshot) -> tuple[str, str]:
