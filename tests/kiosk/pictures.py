@@ -30,9 +30,9 @@ from tests.cell.spoken import hearing, wait_for_ears
 from tests.kiosk.harness import PASSPHRASE, OpenPage, Size, chromium, kiosk_of, opened
 from tests.virtual_sound import virtual_sound
 
-_SPEED = 4.0
+_SPEED = 2.0
 _WISH = "a table with three legs"
-_BELT = 24
+_BELT = 32
 """Parts on a full belt, so that it is empty before the table is finished."""
 _CALL = "Please call 1234, or ask at the desk."
 _SCALE = 2 / 3
@@ -76,6 +76,7 @@ class Album:
 
     def take(self, opened: OpenPage, name: str, *, drawn_ms: int = _DRAWN_MS) -> None:
         """Take a picture."""
+        opened.page.mouse.move(0, 0)
         opened.page.wait_for_timeout(drawn_ms)
         file = self._folder / f"{name}.png"
         opened.page.screenshot(path=file)
@@ -94,14 +95,22 @@ def waking(album: Album, screen: OpenPage) -> None:
     album.take(screen, "never")
 
 
-def asking(album: Album, screen: OpenPage) -> None:
+def passing(album: Album, screen: OpenPage, cell: RunningCell, phase: str) -> None:
+    """A phase that is soon over: the cell stands still for the picture, and not so long that the
+    page would notice."""
+    screen.phase(phase)
+    cell.daemon.process.send_signal(signal.SIGSTOP)
+    album.take(screen, phase, drawn_ms=100)
+    cell.daemon.process.send_signal(signal.SIGCONT)
+
+
+def asking(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     """A wish, and the question about it."""
     screen.phase("ready")
     album.take(screen, "ready")
     album.also("ready-dark", "ready", "kiosk")
     screen.type(_WISH)
-    screen.phase("thinking")
-    album.take(screen, "thinking", drawn_ms=0)
+    passing(album, screen, cell, "thinking")
     screen.phase("asking")
     album.take(screen, "asking")
     album.also("portrait", "asking", "portrait", "?lang=de")
@@ -128,8 +137,9 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     with album.operator() as desk:
         desk.page.click("#to-hand")
         album.take(desk, "operator-hand")
-    cell.client.command("resume")
     cell.world.inject("belt_jam")
+    cell.client.command("resume")
+    cell.wait_state("fault_held")
     screen.phase("fault")
     album.take(screen, "fault")
     album.also("fault-phone", "fault", path="?lang=de")
@@ -254,10 +264,9 @@ def without_a_microphone(pictures: Path) -> None:
             with album.page() as screen:
                 waking(album, screen)
                 with watched_daemon(config, folder, world) as cell:
-                    screen.phase("starting")
-                    album.take(screen, "starting", drawn_ms=300)
+                    passing(album, screen, cell, "starting")
                     wait_idle(cell.client, cell.daemon)
-                    asking(album, screen)
+                    asking(album, screen, cell)
                     building(album, screen, cell)
                     afterwards(album, screen, cell)
                     # Anna's turn has come.

@@ -52,6 +52,19 @@ ExecStart=
 Environment="LIBRARIES={" ".join(LIBRARIES)}"
 ExecStart=/opt/cellctl/venv/bin/python /opt/cellctl/probe.py /var/lib/cellctl/probe.json $LIBRARIES
 """
+LOGGED = f"""[Service]
+StandardOutput=append:{LOG}
+StandardError=append:{LOG}
+"""
+PAGE_PROBE = f"""{LOGGED}
+Type=oneshot
+Restart=no
+ExecStart=
+ExecStart=/opt/cellctl/venv/bin/cellctl pause
+ExecStart=/opt/cellctl/venv/bin/cellctl resume
+ExecStart=/bin/sh -c '! ls /var/lib/cellctl'
+"""
+"""Orders through the operator's door, and a look at what is the daemon's own."""
 IMPATIENT = f"""[Service]
 StandardOutput=append:{LOG}
 StandardError=append:{LOG}
@@ -115,7 +128,9 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
     units = target.root / "etc/systemd/system"
     (units / "emulated.service").write_text(EMULATED)
     shutil.copy(units / "cellctl.service", units / "probe.service")
-    for name, text in (("probe", PROBE), ("cellctl", IMPATIENT)):
+    shutil.copy(units / "cellctl-kiosk.service", units / "page-probe.service")
+    changed = {"probe": PROBE, "cellctl": IMPATIENT, "page-probe": PAGE_PROBE}
+    for name, text in (changed | {"cellctl-kiosk": LOGGED}).items():
         (units / f"{name}.service.d").mkdir()
         (units / f"{name}.service.d" / "test.conf").write_text(text)
     with machine(target.root, LOG) as running:
@@ -212,6 +227,22 @@ def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) ->
 
     cell.run("systemctl", "stop", "cellctl.service")
     assert cell.property_of("cellctl.service", "Result") == "success"
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+def test_the_page_reaches_the_operators_door_and_nothing_else_of_the_daemon(cell: Machine) -> None:
+    start(cell)
+    cell.run("systemctl", "start", "page-probe.service")
+    assert cell.property_of("page-probe.service", "Result") == "success"
+    assert state(cell) == "idle"
+
+    cell.run("systemctl", "start", "cellctl-kiosk.service")
+    look = "import urllib.request as u; print(u.urlopen('http://127.0.0.1:8080/operator').status)"
+    python = "/opt/cellctl/venv/bin/python"
+    wait(cell, "the page", lambda: cell.run(python, "-c", look, check=False).stdout == "200\n")
+    cell.run("systemctl", "stop", "cellctl-kiosk.service", "cellctl.service")
+    assert cell.property_of("cellctl-kiosk.service", "Result") == "success"
 
 
 @pytest.mark.wire

@@ -10,6 +10,7 @@ const SWAY_S = 40; // the camera's way to and fro before the cell
 const SWAY_RAD = 0.32;
 const TURN_A_PIXEL_RAD = 0.008;
 const FRAME_S = 1 / 30;
+const CAPTIONS_PX = 90; // how high the captions below the plates are
 const ARRIVE_S = 0.45; // how long a part takes to appear
 
 export default {
@@ -267,6 +268,14 @@ export default {
       this.renderer.render(this.scene, this.camera);
     },
 
+    // Moves the picture up by that share of its height.
+    shiftUp(share) {
+      const { clientWidth: width, clientHeight: height } = this.$el;
+      if (!width || !height) return;
+      if (share) this.camera.setViewOffset(width, height, 0, share * height, width, height);
+      else this.camera.clearViewOffset();
+    },
+
     // Tells the style sheet where the plates are, so that the captions are right below them.
     placeCaptions() {
       this.camera.updateMatrixWorld();
@@ -287,14 +296,18 @@ export default {
         const width = this.pair ? 4 * this.apart : 2.4 * this.apart;
         const height = this.size.z + 0.35 * width;
         const fit = Math.max(height, width / this.camera.aspect);
-        const away = (0.56 * fit) / Math.tan((this.camera.fov * Math.PI) / 360);
+        // Below the plates there is room for their captions.
+        const room = Math.min(0.4, CAPTIONS_PX / this.$el.clientHeight);
+        const away = ((0.56 / (1 - room)) * fit) / Math.tan((this.camera.fov * Math.PI) / 360);
         const target = new THREE.Vector3(0, 0, this.size.z * 0.46);
         this.camera.position.set(0, away * 0.9, target.z + away * 0.38);
         this.camera.lookAt(target);
+        this.shiftUp(room / 2);
         this.sun.target.position.copy(target);
         this.placeCaptions();
         return;
       }
+      this.shiftUp(0);
       const sway = this.still.matches ? 0.25 : Math.sin((this.time * 2 * Math.PI) / SWAY_S);
       const around = 0.62 + SWAY_RAD * sway - this.turned;
       const target = this.furniture.middle;

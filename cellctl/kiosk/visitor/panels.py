@@ -23,7 +23,8 @@ class Said:
         """Show both."""
         self._heard.show(now.heard)
         self._understood.show(now.understood)
-        shown(self._whole, bool(now.heard or now.understood))
+        # Where people are needed, that is what is to be read.
+        shown(self._whole, bool(now.heard or now.understood) and not now.need)
 
 
 class _Pair:

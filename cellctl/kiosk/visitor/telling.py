@@ -29,6 +29,8 @@ is said now is a request; ``done``: an object is finished and stands."""
 Need = Literal["", "parts", "look", "help"]
 """What people have to do before the cell goes on: lay parts on the belt, look after a cell that was
 stopped, or see to a fault."""
+_AT_WORK = frozenset({"building", "taking_apart", "waiting", "fault"})
+"""Phases in which the view is about a job that has begun."""
 _AT_REST = frozenset({"ready", "done"})
 """Phases in which the wish before is of no interest any more."""
 
@@ -74,6 +76,7 @@ def telling(snapshot: Snapshot | None) -> Telling:
     placed = job.parts_placed if job is not None else 0
     left = [step.duration_s for step in plan.steps[placed:]] if plan is not None else []
     sentence, language = _sentence(snapshot)
+    heard, understood = _said(snapshot, phase)
     return Telling(
         phase=phase,
         sentence=sentence,
@@ -84,8 +87,8 @@ def telling(snapshot: Snapshot | None) -> Telling:
         deadline=talk.deadline,
         offers=talk.offers,
         need=_need(snapshot),
-        heard=talk.heard if phase not in _AT_REST else "",
-        understood=talk.understood if phase not in _AT_REST else "",
+        heard=heard,
+        understood=understood,
         changes=job.changes if job is not None and phase in {"asking", "building"} else (),
         title=plan.title if plan is not None else "",
         placed=placed,
@@ -105,6 +108,18 @@ def _phase(snapshot: Snapshot) -> Phase:
     if talk.phase == "ready" and snapshot.standing and job is not None and job.outcome == "built":
         return "done"
     return talk.phase
+
+
+def _said(snapshot: Snapshot, phase: Phase) -> tuple[str, str]:
+    """What was heard and understood of what the view is about."""
+    talk, job = snapshot.dialogue, snapshot.job
+    if phase in _AT_REST:
+        return "", ""
+    if phase not in _AT_WORK or job is None:
+        return talk.heard, talk.understood
+    # Others may have said something meanwhile, which waits for its turn.
+    heard = job.utterance.text if job.utterance is not None else ""
+    return heard, job.title[:1].upper() + job.title[1:]
 
 
 def _need(snapshot: Snapshot) -> Need:
