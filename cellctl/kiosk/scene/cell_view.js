@@ -10,7 +10,7 @@ const SWAY_S = 40; // the camera's way to and fro before the cell
 const SWAY_RAD = 0.32;
 const TURN_A_PIXEL_RAD = 0.008;
 const FRAME_S = 1 / 30;
-const CAPTIONS_PX = 90; // how high the captions below the plates are
+const CAPTIONS_PX = 52; // how high the captions below the plates are
 const ARRIVE_S = 0.45; // how long a part takes to appear
 
 export default {

@@ -19,6 +19,7 @@ def visitor_page(page: Page) -> None:
     page.follow(_Visit(page).show)
 
 
+_OWN: Final = {"never": "page.never_sentence", "starting": "visit.starting"}
 _NEEDS: Final = {"parts": "visit.need_parts", "look": "visit.need_look"}
 """What is told of a cell that waits for people."""
 
@@ -63,7 +64,7 @@ class _Visit:
         self._state.say(words.say(_headline(now)))
         never = now.phase == "never"
         # What the cell says then is for those who help it.
-        own = "page.never_sentence" if never else _NEEDS.get(now.need, "")
+        own = _OWN.get(now.phase, "") or _NEEDS.get(now.need, "")
         sentence = words.say(own) if own else now.sentence
         # What only repeats the headline is not said twice.
         self._sentence.show("" if sentence == self._state.text else sentence)
