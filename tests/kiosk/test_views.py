@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import httpx
+import httpx2
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
@@ -246,10 +246,10 @@ def test_history_shows_a_job_again_step_by_step(idle: Visit) -> None:
 
 def test_foreign_names_and_sites_are_refused_by_the_server_itself(idle: Visit) -> None:
     url = idle.kiosk.url
-    assert httpx.get(url, headers={"Host": "evil.example"}).status_code == 421
-    assert httpx.get(url, headers={"Origin": "http://evil.example"}).status_code == 403
-    assert httpx.get(f"{url}no/such/page").status_code == 404
-    assert httpx.post(f"{url}operator/log-in", content=b"x" * 20_000).status_code == 413
+    assert httpx2.get(url, headers={"Host": "evil.example"}).status_code == 421
+    assert httpx2.get(url, headers={"Origin": "http://evil.example"}).status_code == 403
+    assert httpx2.get(f"{url}no/such/page").status_code == 404
+    assert httpx2.post(f"{url}operator/log-in", content=b"x" * 20_000).status_code == 413
     connected = idle.browser.new_page()
     connected.goto("data:text/html,another site")
     socket = url.replace("http", "ws") + "_nicegui_ws/socket.io/?EIO=4&transport=websocket"
