@@ -99,8 +99,8 @@ def register(app: typer.Typer) -> None:
             walk = SpeedWalk(cell, _Standing(), name=name, content=content, times=times)
             try:
                 found = walk.run(paces)
-            except KeyboardInterrupt:
-                typer.echo(cell.command("cancel").message)
+            except (KeyboardInterrupt, typer.Abort):
+                _cancel(cell)
                 raise
             chosen = best(found)
             if chosen is None:
@@ -109,6 +109,14 @@ def register(app: typer.Typer) -> None:
             written = offer(path, values_of(chosen, name), typer.confirm)
             note = f"limit for carrying {'written' if written else 'not written'}: {chosen}"
             cell.request(CalibratedCommand(what="speed", note=note))
+
+
+def _cancel(cell: CellClient) -> None:
+    """End the trial under way; where that is not possible, say so."""
+    try:
+        typer.echo(f"Cancelling the trial. {cell.command('cancel').message}")
+    except RefusedError as refused:
+        typer.echo(f"The trial was not cancelled. {refused}")
 
 
 def read_pace(text: str) -> Pace:

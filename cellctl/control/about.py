@@ -38,7 +38,7 @@ _CREDENTIALS: Final[dict[GeneratorName, str]] = {
     "model": "llm-key",
 }
 """What a source of shapes cannot do without; a machine of one's own may want no key."""
-_SHOWN: Final = (
+SHOWN_LIMITS: Final = (
     "workspace.size_m",
     "voxel.pitch_m",
     "voxel.mass_kg",
@@ -115,7 +115,7 @@ def limits(config: CellConfig, now: Present) -> LimitsData:
     return LimitsData(
         limits=tuple(
             LimitData(option=name, configured=_value(config, name), in_force=in_force.get(name))
-            for name in _SHOWN
+            for name in SHOWN_LIMITS
         )
     )
 

@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
-from cellctl.assembly import Assembly, BuildPlan, Cell, Pace, Step, StepKind
+from cellctl.assembly import Assembly, BuildPlan, Cell, Pace, Role, Step, StepKind
 from cellctl.cli.calibrate_command import offer, read_pace
 from cellctl.cli.speed_walk import PAPERS, Attempts, SpeedWalk, best, column, values_of
 from cellctl.client import CellClient
 from cellctl.config import load_config
 from cellctl.config.rewriting import rewritten
+from cellctl.control.acts import JobFiles
+from cellctl.control.job import Job
+from cellctl.control.journal_rows import job_of, job_row
 from cellctl.errors import PlanError, RefusedError, UsageError
+from cellctl.sim.isolation import write_config
 from cellctl.validating.siting import paced
 from tests.cell.harness import CONFIG, RunningCell, cell_config, running_cell
+from tests.cli.terminal import Terminal
 
 STOOD = (True, True, False, False, True, True, True, False)
 """Of the paper's table, in the order of ``PAPERS``."""
@@ -172,3 +178,54 @@ def test_a_trial_that_would_tell_nothing_is_refused(
     )
     with pytest.raises(PlanError, match=why):
         paced(plan, Pace(speed_m_s=2.5, acceleration_m_s2=2.5), config)
+
+
+def test_a_job_that_is_recalled_after_a_death_has_its_pace() -> None:
+    pace = Pace(speed_m_s=2.0, acceleration_m_s2=1.0)
+    job = Job.of_file("column.json", column(0.1), Role.OPERATOR, pace)
+    job.began_at = datetime.now(UTC)
+    kept = job_of(job_row(job.record()))
+    assert Job.recalled(kept, JobFiles(upload=job.upload), frozenset()).pace == pace
+
+
+@pytest.fixture
+def file(cell: RunningCell, tmp_path: Path) -> Path:
+    path = tmp_path / "cell.toml"
+    write_config(cell.config, path)
+    return path
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+@pytest.mark.soak
+def test_an_operator_at_a_terminal_has_the_limit_written(cell: RunningCell, file: Path) -> None:
+    paces = ("--pace", "2.5,2.5", "--pace", "1,1")
+    with Terminal(file, "calibrate", "speed", *paces) as terminal:
+        terminal.see("Take away what fell")
+        cell.world.clear_workspace()
+        terminal.type("y")
+        terminal.see("1 m/s and 1 m/s2: 1 of 1 stood")
+        terminal.see("Write this?")
+        terminal.type("y")
+        terminal.see("Written; the file as it was")
+        assert terminal.status() == 0
+    robot = load_config(file).robot
+    assert (robot.carrying_speed_m_s, robot.carrying_acceleration_m_s2) == (1.0, 1.0)
+    assert "column of two.json, 1 of 1 stood" in robot.carrying_measured
+    cell.assert_inventory_true()
+
+
+@pytest.mark.wire
+@pytest.mark.shared_cell
+@pytest.mark.soak
+def test_an_interrupt_cancels_the_trial_and_writes_nothing(cell: RunningCell, file: Path) -> None:
+    before = file.read_text()
+    with Terminal(file, "calibrate", "speed", "--pace", "1,1") as terminal:
+        cell.wait_mid_place()
+        terminal.interrupt()
+        terminal.see("Cancelling the trial.")
+        assert terminal.status() != 0
+    cell.wait("the end", lambda now: now.job is not None and now.job.outcome == "cancelled")
+    assert file.read_text() == before
+    cell.wait_state("idle")
+    cell.assert_inventory_true()

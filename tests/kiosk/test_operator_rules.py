@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from cellctl.assembly import Cell, PartOutcome, Role, StepKind
+from cellctl.control.about import SHOWN_LIMITS
 from cellctl.control.possible import possible
 from cellctl.errors import CATALOGUE, ConfigError, RefusedError, UsageError
 from cellctl.kiosk import words as words_package
@@ -181,3 +182,8 @@ def test_the_view_has_the_same_words_in_every_language() -> None:
     }
     assert len(fields) >= 2
     assert all(found == fields["en"] for found in fields.values())
+
+
+def test_every_limit_that_is_shown_has_its_name() -> None:
+    words = Words("en")
+    assert all(words.say(f"limit.{option.replace('.', '_')}") for option in SHOWN_LIMITS)
