@@ -31,7 +31,7 @@ from cellctl.sim import sounds
 from cellctl.sim.sounds import Samples
 
 QUESTION = "A stool with four legs, thirty parts, about three minutes. Shall I build it?"
-ANSWERS = {"yes": "yes", "yes please": "yes", "build it": "yes", "no": "no", "no thanks": "no"}
+ANSWERS = {"yes": "yes", "yes please": "yes", "yes build it": "yes", "no": "no", "no thanks": "no"}
 TALK = ("less", "I know", "who is that", "chess", "look at it", "so", "guess what", "you know")
 VOICES = ("en-us", "en-gb", "en-us+f2", "en-us+f4", "en-gb+m5")
 MOMENTS_S = (1.4, 3.1)
@@ -123,6 +123,7 @@ def main() -> int:
             counts["right" if right else "opposite" if found in {"yes", "no"} else found] += 1
             if arguments.every and not right:
                 _print(f"  {text!r} by {voice} at {at_s} s: {found} {told}")
+        _print(f"echo {echo_db:.0f} dB: {counts['right']} of {len(said)} right, {dict(counts)}")
         others: Counter[str] = Counter()
         for number, sound in enumerate(talk):
             told = []
@@ -131,10 +132,7 @@ def main() -> int:
             if arguments.every and found in {"yes", "no"}:
                 _print(f"  talk taken for {found}: {told}")
         alone = Counter(taken(settings, room.asks(None, 0.0), []) for _ in range(5))
-        _print(
-            f"echo {echo_db:.0f} dB: {counts['right']} of {len(said)} answers right, "
-            f"{dict(counts)}; of {len(talk)} other words {dict(others)}; echo alone {dict(alone)}"
-        )
+        _print(f"  {len(talk)} other words taken for {dict(others)}; echo alone {dict(alone)}")
     return 0
 
 
