@@ -10,13 +10,18 @@ from cellctl.errors import NoObjectError
 _FEATURES = re.compile(r" (?:with|without|having|plus|of|and)\b")
 """Where the name of a thing ends and its features begin."""
 
+_BEGINS_WITH_VOWEL = re.compile(
+    r"(?!uni(?!n)|us[ae]|eu|one|ufo)[aeiou]|hour|honest|heir", re.IGNORECASE
+)
+"""By sound: a unicorn, an hourglass."""
+
 
 def with_article(phrase: str) -> str:
     """``a stool``, ``an arch``; plural names such as ``steps`` stay alone."""
     named = _FEATURES.split(phrase)[0]
     if named.endswith("s") and not named.endswith(("ss", "us", "glass")):
         return phrase
-    return f"{'an' if phrase[0] in 'aeiou' else 'a'} {phrase}"
+    return f"{'an' if _BEGINS_WITH_VOWEL.match(phrase) else 'a'} {phrase}"
 
 
 def refuse_no_object(request: Request) -> None:

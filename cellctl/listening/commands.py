@@ -42,7 +42,15 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
         *("sounds great", "looks great", "looks perfect", "looks fine", "sounds perfect"),
         *("it looks good", "it looks great", "please do", "sure thing", "confirm", "confirmed"),
         *("affirmative", "let's do it", "make it so", "start building", "build that"),
-        *("do that", "okay go", "i'm sure", "that'll do", "that will do", "that'll do nicely"),
+        *(
+            "do that",
+            "okay go",
+            "yes go",
+            "i'm sure",
+            "that'll do",
+            "that will do",
+            "that'll do nicely",
+        ),
         *("that'll be fine", "that will be fine", "i like it", "i like that", "that works"),
         *("that's exactly what i wanted", "that's what i wanted", "exactly", "exactly like that"),
         *(

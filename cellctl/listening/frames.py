@@ -31,10 +31,11 @@ WANT = (
     r"'d (?:really |just |quite |rather |so |very much )?(?:like|love|prefer|enjoy|want|need|"
     r"better (?:have|get))|"
     r"(?:am|are|is|'m|'re|'s) (?:needing|wanting|wishing(?: for)?|requiring)|would need|"
-    r"want|wants|wanted|need|needs|needed|wish for|"
+    r"should (?:really )?(?:like|love)|want|wants|wanted|need|needs|needed|wish for|"
     r"could (?:really )?(?:use|do with)|demand|demands|"
     r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
 )
+_FAMILY = "|".join(sorted(LEXICON.families))
 _GET = r"(?:get|give to|give|bring|fetch|hand|lend|show|grant)"
 POLITE = (
     r"(?:can|could|would|will|won't|can't|couldn't) (?:you|(?:the|your|this|that) (?:robot|"
@@ -74,7 +75,7 @@ _LEADS = re.compile(
     r"(?= i\b| we\b)|"
     r"(?:\w+|(?:my|our|the|his|her) \w+) says (?=(?:he|she|they)\b)|"
     r"i bet (?:that )?you (?:can't|couldn't|cannot|could never)(?= )|do you know how to|"
-    r"do you think|(?:would|is) it (?:be )?possible(?: for you)?(?= to\b)|"
+    r"do you think|(?:(?:would|is) it|it is) (?:be )?possible(?: for you)?(?= to\b)|"
     r"is there (?:any|a) way(?:(?: that)? you (?:could|can)|"
     r"(?= to\b))|are you able(?= to\b)|do you mind|go ahead and|try (?:to|and)|start by|"
     r"i (?:want|need|would like|'d like) you to (?:try to|please|go ahead and)(?= )|just|"
@@ -97,6 +98,21 @@ _FRAMES = _frames(
     ("making", rf"{WHO} ?{WANT} that you {MAKES}"),
     ("having", rf"{WHO} ?{WANT}(?: to)? (?:have|order|get|own)"),
     ("having", rf"{WHO} ?{WANT} (?:it|that|this) to be(?= an? )"),
+    ("having", rf"{WHO} ?{WANT} (?:us|me|you) to (?:ask for|have|get)(?= an? | the )"),
+    (
+        "making",
+        rf"{WHO} ?{WANT} to see (?:(?:how|if) )?(?:it|you|him|he|(?:the|this) \w+)(?: can)? "
+        rf"(?:{MAKES}|builds|makes|does|do|{_MAKING})",
+    ),
+    (
+        "making",
+        rf"(?:(?:can|could) (?:i|we)|let's|let us|let me) see (?:if|whether|how) "
+        rf"(?:it|you|he|she|the \w+) (?:can |could )?(?:{MAKES}|builds|makes|does|do)",
+    ),
+    ("making", rf"(?:let|have) (?:it|him|the \w+) {MAKES}"),
+    ("making", rf"you {MAKES}(?= (?:\w+ )?(?:{_FAMILY})\b)"),
+    ("having", r"go for(?= an? )"),
+    ("having", r"it (?:really )?(?:needs|could use|could do with)(?= an? )"),
     ("having", r"(?:i|we) ?(?:will|'ll|would|'d) go (?:for|with)(?= the )"),
     ("having", rf"{WHO} ?(?:would like|would love|'d like|'d love|wants?) to see(?= an? )"),
     ("having", rf"{WHO} ?(?:asks|asked|(?:was|were) (?:asking|hoping|longing)) for(?= an? )"),
@@ -186,7 +202,8 @@ _FRAMES = _frames(
     ("having", r"(?:i am|i'm) (?:in need of|in the mood for|craving|dying for)"),
     ("having", r"(?:i|we) ?(?:will|'ll|would|'d) (?:have|take|go (?:with|for))(?= an? )"),
     ("having", r"show (?:me|us)(?= an? )"),
-    ("having", r"(?:get|give to|give|bring|fetch|make it|grant) (?:me|us|my \w+)(?: please)?"),
+    ("having", r"(?:get|give to|give|bring|fetch|make it|grant) (?:me|us|him|her|them|my "
+               r"\w+)(?: please)?"),
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
     ("making", rf"{MAKES}"),
 )  # fmt: skip

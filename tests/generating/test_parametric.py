@@ -16,6 +16,7 @@ from cellctl.errors import DesignError, NoObjectError
 from cellctl.generating.design import design
 from cellctl.generating.families import FAMILIES
 from cellctl.generating.families.glyphs import GLYPHS
+from cellctl.generating.wording import with_article
 from cellctl.validating.fit import fit, size_questions
 from cellctl.validating.paper.policy import process
 from cellctl.validating.paper.scaling import Rescaled
@@ -254,3 +255,19 @@ def test_a_compound_is_closer_than_its_head_noun() -> None:
     assert design(request("table", phrase="coffee table"), CONFIG).title.startswith("coffee table")
     found = design(request("table", phrase="dining table"), CONFIG)
     assert found.title == "dining table with four legs"
+
+
+@pytest.mark.parametrize(
+    ("phrase", "said"),
+    [
+        ("stool", "a stool"),
+        ("elephant", "an elephant"),
+        ("unicorn", "a unicorn"),
+        ("umbrella stand", "an umbrella stand"),
+        ("hourglass", "an hourglass"),
+        ("house", "a house"),
+        ("steps", "steps"),
+    ],
+)
+def test_articles_go_by_sound(phrase: str, said: str) -> None:
+    assert with_article(phrase) == said

@@ -108,7 +108,9 @@ def house(brief: Brief) -> Design:
     steep = brief.count("steepness", 1)
     wanted = min(brief.stated_cells.get("width", 5), brief.grid[0])
     highest = (max(5, wanted) // 2) * steep + 1
-    width, depth, height = brief.size(5, 3, max(5, highest + 1), least=(5, 3, highest + 1))
+    # A steep roof of three rows would take more parts than there are.
+    rows = 2 if steep > 1 else 3
+    width, depth, height = brief.size(5, rows, max(5, highest + 1), least=(5, rows, highest + 1))
     if height < highest + 1:
         raise brief.refuse_short("so steep a roof", brief.grid[2])
     gable = width // 2 + 1

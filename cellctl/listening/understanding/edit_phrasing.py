@@ -130,6 +130,13 @@ _REWRITES = tuple(
             r"(?:on top|on it|on top of it|at the back|on the back|in it|to it)",
             "add {rest}",
         ),
+        (
+            r"(?:i|we)(?:'d like| would like| want| need) "
+            r"(?P<rest>(?:\w+ more|another|an extra|an additional) \w+)",
+            "add {rest}",
+        ),
+        (rf"(?:how|what) about (?P<rest>{_NUMBER} \w+)", "{rest}"),
+        (r"(?:can|could|should|may) (?:it|that|this) have (?P<rest>.+)", "with {rest}"),
         (r"try (?:it|that) (?P<rest>(?:with|without) .+)", "{rest}"),
         (rf"{_IT} could do with being (?P<rest>.+)", "make {it} {rest}"),
         (

@@ -64,6 +64,7 @@ _SEARCHING = re.compile(
     r"(?: it| that)?|you know(?: what i mean)?|how shall i put it|the thingy)(?: |$)"
 )
 _SAID_TWICE = re.compile(r"\b(an?|the|one of (?:those|these)) (?:an?|the) |\ban? (?=one of)")
+_LIKE = re.compile(r"(?:something|anything) like ")
 _BEGIN_FEATURES = frozenset({"with", "without", "no", "about", "half", "say", "and", "nothing"})
 _SHOWS = re.compile(r"(?:\w+ )?(?:look|see|watch)\b(?! for)")
 """Who shows somebody a tower wants none."""
@@ -161,7 +162,8 @@ def _of_clauses(
         others = [each for at, each in enumerate(plain) if at != index and each]
         told = [each for at, each in enumerate(others) if not _is_feature(each)]
         vague = any(_asks_for_anything(each) for each in others)
-        led = index + 1 == len(plain) and (vague or len(clause.split()) < len(clauses[index]))
+        asided = len(clause.split()) < len(clauses[index]) or index + 1 < len(plain)
+        led = not any(plain[index + 1 :]) and (vague or asided or _LIKE.match(clause) is not None)
         if clause and not shown and (not told or led):
             more = tuple(word for each in plain[index + 1 :] for word in each.split())
             yield Reading(tuple(clause.split()), more, asks=False)

@@ -23,16 +23,21 @@ _NEGATED = frozenset(
     {"not", "no", "don't", "can't", "won't", "without", "never", "isn't", "doesn't"}
 )
 _PLACING = frozenset({"of", "in", "on", "at", "by", "from", "into", "than"})
+_LEADING_UP = frozenset(
+    {("interested", "in"), ("thinking", "of"), ("think", "of"), ("dreaming", "of"), ("fan", "of"),
+     ("instead", "of"), ("want", "of"), ("need", "of"), ("keen", "on"), ("settle", "on")}
+)  # fmt: skip
 _TELLING = frozenset({"have", "has", "like", "love", "see", "take", "get"})
 """These wish only with a "would" or a "can" before them."""
 _MODAL = frozenset({"would", "could", "can", "may", "might", "let's", "to", "want", "wants"})
+_DREAMED = frozenset({"dreamed", "dreamt", "wished"})
 
 
 @dataclass(frozen=True)
 class _Words:
     wishes: re.Pattern[str]
     against: re.Pattern[str]
-    governors: frozenset[str]
+    others: frozenset[str]
 
 
 @lru_cache(maxsize=1)
@@ -45,7 +50,7 @@ def _words() -> _Words:
     return _Words(
         re.compile(rf"\b(?:{wishes})\b"),
         re.compile(rf"^(?:{first})\b|\b(?:{anywhere})\b"),
-        frozenset(table["governors"].split()),
+        frozenset(table["others"].split()),
     )
 
 
@@ -59,49 +64,33 @@ def mentioned(text: str) -> tuple[str, ...] | None:
         return None
     words = text.split()
     for index in reversed(range(1, len(words) - 1)):
-        if words[index] in _ARTICLES and _may_govern(words[:index]):
+        of_a_part = words[index - 1] in ("with", "without", "and", "has", "having")
+        if words[index] in _ARTICLES and not of_a_part and _may_govern(words[:index]):
             return tuple(words[index:])
     return None
 
 
 def _may_govern(before: Sequence[str]) -> bool:
     """Whether what stands before an article asks for what follows rather than tells of it."""
-    if _NEGATED & set(before[-3:]) or before[-1] in (
-        "of",
-        "in",
-        "on",
-        "at",
-        "by",
-        "from",
-        "into",
-        "than",
-    ):
+    if _NEGATED & set(before[-3:]):
+        return False
+    if before[-1] in _PLACING and tuple(before[-2:]) not in _LEADING_UP:
         return False
     verbs = [word for word in before if _is_verb(word)]
-    if not verbs or verbs[-1] not in _words().governors:
-        return not verbs
+    if not verbs:
+        return True
     at = len(before) - 1 - list(reversed(before)).index(verbs[-1])
+    if verbs[-1] in _words().others:
+        return False
     if verbs[-1] in _TELLING:
-        modal = set(before[:at]) & {
-            "would",
-            "could",
-            "can",
-            "may",
-            "might",
-            "let's",
-            "to",
-            "want",
-            "wants",
-        }
+        modal = (set(before[:at]) & _MODAL) | (set(before) & _DREAMED)
         shortened = any(word.endswith(("'d", "'ll")) for word in before[:at])
         return bool(modal or shortened) and "you" not in before[max(0, at - 1) : at]
     return True
 
 
 def _is_verb(word: str) -> bool:
+    if word in LEXICON.finite or word in _words().others or word in _TELLING:
+        return True
     entry = look_up(word)
-    return (
-        word in LEXICON.finite
-        or word in _words().governors
-        or (entry is not None and entry.parts[:1] == "v")
-    )
+    return entry is not None and entry.parts[:1] == "v"
