@@ -55,6 +55,11 @@ def test_a_visitor_types_a_wish_sees_what_was_understood_and_says_no(idle: Visit
         opened.phase("asking")
         opened.says("a stool thirty centimetres high")
         assert_accessible(opened)
+        # As a browser has it that has not been told of a change yet.
+        opened.page.evaluate("document.querySelector('.actions').dataset.asked = 'the one before'")
+        opened.press("Yes")
+        opened.says("That was an answer to what I asked before")
+        assert idle.cell.client.snapshot().state.state == "validating_confirming"
         opened.press("No")
         opened.phase("ready")
         assert idle.cell.finish().outcome == "declined"
