@@ -156,10 +156,10 @@ def plan_upload(
 
 
 def at_pace(plan: BuildPlan, pace: Pace, config: CellConfig) -> BuildPlan:
-    """The same plan with the times of a pace that is under trial; see ``validating.siting``."""
-    from cellctl.validating import siting  # noqa: PLC0415
+    """A plan for a trial of a pace; see ``validating.trials``."""
+    from cellctl.validating import trials  # noqa: PLC0415
 
-    return siting.paced(plan, pace, config)
+    return trials.plan_trial(plan, pace, config)
 
 
 def take_apart(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 
 from cellctl.assembling.route import RoutePlanner
-from cellctl.assembly import Assembly, BuildPlan, Cell, Check, Pace, Step, StepKind
+from cellctl.assembly import Assembly, BuildPlan, Cell, Check, Step, StepKind
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.validating.draft import Draft
@@ -79,38 +79,6 @@ def site_here(
         closeness=draft.closeness,
         wanted=tuple(sorted(draft.wanted)),
     )
-
-
-def paced(plan: BuildPlan, pace: Pace, config: CellConfig) -> BuildPlan:
-    """The same plan with the times of a pace that is under trial.
-
-    Raises:
-        PlanError: the arm does not bear it at some cell, or would not feel whether the part there
-            stands.
-    """
-    planner = RoutePlanner(config)
-    steps: list[Step] = []
-    for step in plan.steps:
-        done = [before.cell for before in steps]
-        if not planner.presses(step.cell, done):
-            raise PlanError(
-                f"Whether the part at {list(step.cell)} stands could not be felt: only one on a "
-                "column down to the floor is pressed on.",
-                "Try an object of columns, with robot.touch_depth_m more than 0.",
-                cells=(step.cell,),
-            )
-        try:
-            route = planner.step(step.cell, done, done[-1] if done else None, pace)
-        except PlanError as error:
-            raise PlanError(
-                f"{list(step.cell)}: {error.message}", error.hint, rule="reach", cells=(step.cell,)
-            ) from error
-        told = {
-            "clearance_m": round(route.clearance_m, 4),
-            "duration_s": round(route.duration_s, 3),
-        }
-        steps.append(step.model_copy(update=told))
-    return plan.model_copy(update={"steps": tuple(steps)})
 
 
 def _places(

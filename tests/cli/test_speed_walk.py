@@ -20,7 +20,8 @@ from cellctl.control.job import Job
 from cellctl.control.journal_rows import job_of, job_row
 from cellctl.errors import PlanError, RefusedError, UsageError
 from cellctl.sim.isolation import write_config
-from cellctl.validating.siting import paced
+from cellctl.validating.plan import plan_file
+from cellctl.validating.trials import paced, plan_trial
 from tests.cell.harness import CONFIG, RunningCell, cell_config, running_cell
 from tests.cli.terminal import Terminal
 
@@ -178,6 +179,18 @@ def test_a_trial_that_would_tell_nothing_is_refused(
     )
     with pytest.raises(PlanError, match=why):
         paced(plan, Pace(speed_m_s=2.5, acceleration_m_s2=2.5), config)
+
+
+def test_a_trial_stands_in_the_middle_where_the_arm_bears_every_pace() -> None:
+    config = cell_config()
+    plan = plan_file("column.json", column(config.voxel.pitch_m), config)
+    places = {tuple(step.cell for step in plan_trial(plan, pace, config).steps) for pace in PAPERS}
+    assert places == {(Cell(2, 2, 0), Cell(2, 2, 1))}
+    paces = [Pace(speed_m_s=v, acceleration_m_s2=v) for v in (1.0, 1.5)]
+    slow, quick = (plan_trial(plan, pace, config).steps[0].duration_s for pace in paces)
+    assert slow is not None
+    assert quick is not None
+    assert quick < slow - 0.5
 
 
 def test_a_job_that_is_recalled_after_a_death_has_its_pace() -> None:
