@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from pathlib import Path
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cellctl.control.controller import Controller, Post
+from cellctl.control.daemon import Daemon
 from cellctl.control.dialogue.questions import Questions
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, RefusedError
+from cellctl.speaking.events import Began
+from tests.cell.harness import cell_config
 
 TO_THE_QUESTION = (
     *(Event.STARTED, Event.SAY, Event.UNDERSTOOD),
@@ -122,6 +126,19 @@ def test_speech_answers_no_question_whose_words_had_not_begun(
     assert meant == (could[-1] if could else "")
     if questions.is_open(meant):
         assert heard_from[meant] <= spoken_s
+
+
+def test_the_daemons_voice_tells_when_a_question_is_heard(tmp_path: Path) -> None:
+    made = Daemon(cell_config(journal={"path": str(tmp_path / "journal.db")}))
+    try:
+        questions = made.dialogue.questions
+        name = questions.ask("Shall I build it?", aloud=True)
+        for heed in made.voice.heeded_by:
+            heed(Began(number=1, at_s=5.0, envelope=()), "Shall I build it?")
+        assert questions.meant(4.9) == ""
+        assert questions.meant(5.1) == name
+    finally:
+        made.bus.close()
 
 
 def test_a_question_that_is_never_said_aloud_can_be_answered() -> None:
