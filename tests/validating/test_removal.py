@@ -11,7 +11,7 @@ import pytest
 from cellctl.assembly import Cell, StepKind
 from cellctl.errors import PlanError
 from cellctl.validating.changing import Removal, assess_removal, plan_removal, removal_order
-from cellctl.validating.changing.breaking import PULL, TWIST, breakings
+from cellctl.validating.changing.breaking import PULL, SLIDING, TWIST, breakings
 from cellctl.validating.changing.removal import pull_of, while_breaking
 from cellctl.validating.checker import verify
 from cellctl.validating.rules import Cells
@@ -149,6 +149,15 @@ def test_random_structures_come_apart(seed: int) -> None:
     plan = plan_removal(cells, CONFIG)
     assert tuple(step.cell for step in plan.steps) == tuple(step.cell for step in order)
     assert [check.name for check in verify(plan, CONFIG, standing=cells) if not check.passed] == []
+
+
+def test_what_cannot_be_turned_away_from_its_neighbours_is_turned_along_them() -> None:
+    cells = buildable(110, 16)
+    order = removal_order(cells, PHYSICS, GRIPPER)
+    replay(cells, order)
+    assert any(removal.hinge in SLIDING for removal in order)
+    plan = plan_removal(cells, CONFIG)
+    assert all(check.passed for check in verify(plan, CONFIG, standing=cells))
 
 
 @pytest.mark.soak
