@@ -24,8 +24,9 @@ _ENOUGH = 0.5
 _THRIFT = 0.01
 """Cost of shear where a region is balanced anew: a witness that strains no joint without need
 leaves more to those who build on it."""
-_REACHES = (1, 3)
-"""Cells beyond the nearest support within which forces are balanced anew, before all are."""
+_REACHES = (1, 3, 5)
+"""Cells beyond the nearest support within which forces are balanced anew, before all are, which
+takes a second where they are many."""
 
 
 class Growth:
