@@ -238,6 +238,8 @@ def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str])
                 found[end] = before | ({name} if name else frozenset())
                 break
     names = found[-1] or frozenset()
+    if waits := names & {"stop", "pause"}:
+        return "stop" if "stop" in waits else "pause"  # whatever else was said
     if len(names) > 1:
         return next((meant for group, meant in _TOGETHER.items() if names <= group), None)
     return next(iter(names), None)
