@@ -5,7 +5,8 @@ emulated world as judge; the time of a part is what its two movements take there
 stands meanwhile as it is told (latch, setting out). Beside it stands the bound: each joint as fast
 as it can from pick to place and back, nothing in the way, and the latch's travel. ``--wire`` builds
 objects through the whole cell as well, with daemon, sockets and boards, at real speed, and compares
-what was told with what it took. ``--model`` takes the other arm.
+what was told with what it took. ``--model`` takes the other arm. Where each second of a part goes
+tells ``python -m benchmarks.phases``.
 """
 
 from __future__ import annotations
@@ -62,6 +63,8 @@ class Built:
     seconds: float
     """From the first fetch to the last part, without the way home."""
     told_s: float
+    worst: float
+    """By what share the part took longer or shorter that was told worst."""
     planning_s: float
     """Processor time of planning its routes."""
     seen: Executed
@@ -86,20 +89,22 @@ def build(config: CellConfig, order: list[Cell]) -> Built:
     """Carry out every route in process."""
     began_s = time.process_time()
     planner = RoutePlanner(config)
-    told_s = 0.0
+    told_s: list[float] = []
     placed: list[Cell] = []
     for cell, before in zip(order, [None, *order], strict=False):
-        told_s += planner.step(cell, placed, before).duration_s
+        told_s.append(planner.step(cell, placed, before).duration_s)
         placed.append(cell)
     planning_s = time.process_time() - began_s
     bench = Bench(config)
     seen = bench.build(order)
-    standing_s = sum(
+    standing_s = [
         planner.closing_s + planner.placing_s(cell, order[:i]) for i, cell in enumerate(order)
-    )
+    ]
+    took_s = np.add(bench.parts_s, standing_s)
+    worst = float(np.abs(took_s / told_s - 1.0).max())
     # Rising a little from a part that was let go is told as part of the standing.
-    seconds = bench.building_s - bench.rising_s + standing_s
-    return Built(len(order), seconds, told_s, planning_s, seen)
+    seconds = bench.building_s - bench.rising_s + sum(standing_s)
+    return Built(len(order), seconds, sum(told_s), worst, planning_s, seen)
 
 
 def bound_s(config: CellConfig, order: list[Cell]) -> float:
@@ -209,14 +214,16 @@ def main() -> None:
         violations = sum(len(one.seen.violations) for one in ones)
         planning_s = sum(one.planning_s for one in ones) / sum(one.parts for one in ones)
         told = sum(one.told_s for one in ones) / total[pace] - 1.0
+        worst = max(one.worst for one in ones)
         fastest, hardest = (
             max(getattr(one.seen, name) for one in ones) for name in ("fastest", "hardest")
         )
         console.print(
             f"{pace}: {total[square] / total[pace]:.2f}x the square path's pace (least "
             f"{min(quicker):.2f}x), {total[pace] / sum(bounds.values()):.2f} of the bound; told "
-            f"{told:+.1%}; joints at {fastest:.0%} of their speed, {hardest:.0%} of their "
-            f"acceleration; {violations} violations; {planning_s * 1e3:.0f} ms of planning a part"
+            f"{told:+.1%}, the worst part {worst:.1%} off; joints at {fastest:.0%} of their speed, "
+            f"{hardest:.0%} of their acceleration; {violations} violations; "
+            f"{planning_s * 1e3:.0f} ms of planning a part"
         )
     for name in arguments.wire:
         console.print(f"{name} at {arguments.pace}")

@@ -49,12 +49,17 @@ class Timing:
     @property
     def duration_s(self) -> float:
         """From rest to rest."""
-        return sum(
+        return sum(self.seconds)
+
+    @property
+    def seconds(self) -> list[float]:
+        """How long each piece takes."""
+        return [
             _trapezoid_s(stretch, entry, leave)
             for stretch, (entry, leave) in zip(
                 self._stretches, itertools.pairwise(self._joint_speeds), strict=True
             )
-        )
+        ]
 
     def samples(self) -> tuple[Floats, Floats]:
         """Speed and acceleration along the path at each sample of each piece."""

@@ -65,6 +65,8 @@ class Bench:
         self.step_s = STEP_S
         self.building_s = 0.0
         """From the first fetch to the last part."""
+        self.parts_s: list[float] = []
+        """Of each part, its two movements."""
         self.rising_s = 0.0
         """Of that, how long it took to rise a little from the parts that were let go."""
         self.trace: list[list[float]] = []
@@ -106,9 +108,10 @@ class Bench:
         placed: list[Cell] = []
         for cell in order:
             self.world.belt_move(2.0 * self.config.voxel.pitch_m)
-            self.follow(self.routes.to_pick(self.stance(), placed))
+            fetching_s = self.follow(self.routes.to_pick(self.stance(), placed))
             self.world.latch_closed()
-            self.follow(self.routes.to_seat(cell, self.stance(), placed))
+            bringing_s = self.follow(self.routes.to_seat(cell, self.stance(), placed))
+            self.parts_s.append(fetching_s + bringing_s)
             self.world.latch_opened()
             self.rising_s += self._rise(cell, placed)
             placed.append(cell)
