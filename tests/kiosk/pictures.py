@@ -89,12 +89,6 @@ class Album:
             self.take(other, name)
 
 
-def waking(album: Album, screen: OpenPage) -> None:
-    """A page whose cell nobody has started, and one whose cell starts."""
-    screen.phase("never")
-    album.take(screen, "never")
-
-
 def passing(album: Album, screen: OpenPage, cell: RunningCell, phase: str) -> None:
     """A phase that is soon over: the cell stands still for the picture, and not so long that the
     page would notice."""
@@ -128,10 +122,13 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     _going(cell, "8 parts", lambda now: len(now.standing) >= 8)
     _going(cell, "a part in the gripper", lambda now: now.gripper.holding == "part")
     album.take(screen, "building")
-    album.also("building-phone", "building")
+    with album.page("phone", scheme="dark") as phone:
+        _going(cell, "an arm at work", _at_work)
+        phone.phase("building")
+        album.take(phone, "building-phone")
     with album.operator() as desk:
         album.take(desk, "operator-cell")
-    _going(cell, "an arm at work", lambda now: now.state.state.startswith("assembling"))
+    _going(cell, "an arm at work", _at_work)
     screen.press("Stop")
     cell.wait_state("paused_resting")
     screen.says("Stopped")
@@ -141,7 +138,7 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
         album.take(desk, "operator-hand")
     cell.world.inject("belt_jam")
     cell.client.command("resume")
-    cell.wait_state("fault_held")
+    _going(cell, "a jam", lambda now: now.state.state == "fault_held")
     screen.phase("fault")
     album.take(screen, "fault")
     album.also("fault-phone", "fault", path="?lang=de")
@@ -227,6 +224,10 @@ def doubtful(album: Album, cell: RunningCell) -> None:
     cell.wait_state("idle")
 
 
+def _at_work(now: Snapshot) -> bool:
+    return now.state.state.startswith("assembling")
+
+
 def _going(cell: RunningCell, what: str, holds: Callable[[Snapshot], bool]) -> None:
     """Wait for something; go on, as an operator does, when the robot heard a busy computer too
     late and has stopped."""
@@ -260,35 +261,54 @@ def _page_of(
         yield config, world, browser, kiosk
 
 
-def without_a_microphone(pictures: Path) -> None:
-    """All states of a cell that is typed to."""
-    sections: dict[str, dict[str, Any]] = {
-        "cell": {"name": "Voxel cell"},
-        "feeder": {"capacity_parts": _BELT},
-        "kiosk": {"public_url": "http://cell.local:8080", "call_text": _CALL},
-        "policy": {"confirmation": "ask", "confirmation_timeout_s": 3600.0},
-        # Anna's turn comes when the table is gone.
-        "dialogue": {"take_along_s": 3600.0},
-    }
+_SECTIONS: dict[str, dict[str, Any]] = {
+    "cell": {"name": "Voxel cell"},
+    "feeder": {"capacity_parts": _BELT},
+    "kiosk": {"public_url": "http://cell.local:8080", "call_text": _CALL},
+    "policy": {"confirmation": "ask", "confirmation_timeout_s": 3600.0},
+    # Anna's turn comes when the table is gone.
+    "dialogue": {"take_along_s": 3600.0},
+}
+
+
+def until_the_question(pictures: Path) -> None:
+    """From a cell that nobody has started to its question; then it falls silent."""
     with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
         folder = Path(name)
-        with _page_of(folder, **sections) as (config, world, browser, kiosk):
+        with _page_of(folder, **_SECTIONS) as (config, world, browser, kiosk):
             album = Album(browser, kiosk, pictures)
             with album.page() as screen:
-                waking(album, screen)
+                screen.phase("never")
+                album.take(screen, "never")
                 with watched_daemon(config, folder, world) as cell:
                     passing(album, screen, cell, "starting")
                     wait_idle(cell.client, cell.daemon)
                     asking(album, screen, cell)
-                    building(album, screen, cell)
-                    afterwards(album, screen, cell)
-                    # Anna's turn has come.
-                    screen.phase("asking")
-                    screen.press("No")
-                    screen.phase("ready")
-                    behind(album, cell)
-                    doubtful(album, cell)
                     stale(album, screen, cell)
+
+
+def from_the_yes_on(pictures: Path) -> None:
+    """A build with everything that interrupts one, and what comes of the object."""
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        with (
+            _page_of(folder, **_SECTIONS) as (config, world, browser, kiosk),
+            watched_daemon(config, folder, world) as cell,
+        ):
+            album = Album(browser, kiosk, pictures)
+            wait_idle(cell.client, cell.daemon)
+            with album.page() as screen:
+                screen.phase("ready")
+                screen.type(_WISH)
+                screen.phase("asking")
+                building(album, screen, cell)
+                afterwards(album, screen, cell)
+                # Anna's turn has come.
+                screen.phase("asking")
+                screen.press("No")
+                screen.phase("ready")
+            behind(album, cell)
+            doubtful(album, cell)
 
 
 def with_a_microphone(pictures: Path) -> None:
@@ -312,12 +332,16 @@ def with_a_microphone(pictures: Path) -> None:
 
 
 def main() -> None:
-    """Entry point: ``FOLDER``, and ``typed`` or ``spoken`` for some of them only."""
+    """Entry point: ``FOLDER``, and which of them, if not all."""
     folder, only = Path(sys.argv[1]), sys.argv[2:]
     folder.mkdir(parents=True, exist_ok=True)
-    for name, take in (("spoken", with_a_microphone), ("typed", without_a_microphone)):
-        if not only or name in only:
-            take(folder)
+    parts = {
+        "hearing": with_a_microphone,
+        "asking": until_the_question,
+        "building": from_the_yes_on,
+    }
+    for name in only or parts:
+        parts[name](folder)
 
 
 if __name__ == "__main__":
