@@ -214,9 +214,11 @@ def file(cell: RunningCell, tmp_path: Path) -> Path:
 def test_an_operator_at_a_terminal_has_the_limit_written(cell: RunningCell, file: Path) -> None:
     paces = ("--pace", "2.5,2.5", "--pace", "1,1")
     with Terminal(file, "calibrate", "speed", *paces) as terminal:
+        cell.wait("a fault", lambda now: now.fault.entry is not None)
         terminal.see("Take away what fell")
         cell.world.clear_workspace()
         terminal.type("y")
+        cell.wait("it apart", lambda now: now.job is not None and now.job.outcome == "taken_apart")
         terminal.see("1 m/s and 1 m/s2: 1 of 1 stood")
         terminal.see("Write this?")
         terminal.type("y")
