@@ -39,6 +39,7 @@ _SCALE = 2 / 3
 """Pixels of a picture for each of the screen's: large enough to read, and small as a file."""
 _DRAWN_MS = 2500
 """So long a page has to draw its 3D view, on a computer without a graphics card."""
+_FAULTS = frozenset({"fault_held", "fault_stopped"})
 _HAND_OVER = "thank you, it is mine"
 
 
@@ -138,7 +139,7 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
         album.take(desk, "operator-hand")
     cell.world.inject("belt_jam")
     cell.client.command("resume")
-    _going(cell, "a jam", lambda now: now.state.state == "fault_held")
+    _going(cell, "a jam", _is_jammed)
     screen.phase("fault")
     album.take(screen, "fault")
     album.also("fault-phone", "fault", path="?lang=de")
@@ -224,16 +225,19 @@ def doubtful(album: Album, cell: RunningCell) -> None:
     cell.wait_state("idle")
 
 
+def _is_jammed(now: Snapshot) -> bool:
+    return now.fault.entry is not None and now.fault.entry.code == "belt_jam"
+
+
 def _at_work(now: Snapshot) -> bool:
     return now.state.state.startswith("assembling")
 
 
 def _going(cell: RunningCell, what: str, holds: Callable[[Snapshot], bool]) -> None:
-    """Wait for something; go on, as an operator does, when the robot heard a busy computer too
-    late and has stopped."""
+    """Wait for something; go on, as an operator does, after faults of a computer that was busy."""
     while True:
-        now = cell.wait(what, lambda now: holds(now) or now.state.state == "fault_stopped")
-        if now.state.state != "fault_stopped":
+        now = cell.wait(what, lambda now: holds(now) or now.state.state in _FAULTS)
+        if holds(now):
             return
         cell.client.command("reset")
         cell.wait_state("paused_resting")
