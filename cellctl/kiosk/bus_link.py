@@ -23,7 +23,14 @@ from cellctl.client import CellClient
 from cellctl.config import CellConfig
 from cellctl.errors import CellctlError
 from cellctl.kiosk.mirror import Mirror, Sequence
-from cellctl.messages import Command, ControlReply, FileData, FileKind, StatusMessage
+from cellctl.messages import (
+    Command,
+    ControlReply,
+    DialogueData,
+    FileData,
+    FileKind,
+    StatusMessage,
+)
 
 log = structlog.get_logger(__name__)
 
@@ -175,6 +182,7 @@ class _Listener:
         self._sequence = Sequence()
         self._refreshed_s = 0.0
         self._due = False
+        self._asked = ""
 
     def listen(self, silence_s: float) -> None:
         """Follow the cell until it has been silent for so long and does not answer.
@@ -205,14 +213,25 @@ class _Listener:
             return
         if place == "known":
             return
+        if self._asks_anew(message):
+            # A yes must stand beside the plan that it is for, which comes with the whole picture.
+            self._refresh()
+            return
         self._loop.call_soon_threadsafe(self._mirror.take, message)
         if message.topic in _TELLS_LESS:
             self._due = True
         if self._due and time.monotonic() - self._refreshed_s > _REFRESH_S:
             self._refresh()
 
+    def _asks_anew(self, message: StatusMessage) -> bool:
+        if message.topic != "dialogue":
+            return False
+        data = message.payload()
+        return isinstance(data, DialogueData) and data.asked != self._asked
+
     def _refresh(self) -> None:
         snapshot = self._cell.snapshot()
+        self._asked = snapshot.dialogue.asked
         self._sequence.snapshot(snapshot.seq)
         self._refreshed_s, self._due = time.monotonic(), False
         self._loop.call_soon_threadsafe(self._mirror.take_snapshot, snapshot)

@@ -174,15 +174,23 @@ class Entry(Element):
         send: gets what was typed, and the name of the question that stood around it then; what it
             refuses stays in the line.
         longest: most characters.
+        urgent: what does not wait for what was typed before it.
     """
 
     def __init__(
-        self, label: str, button: str, send: Callable[[str, str], Awaitable[None]], longest: int
+        self,
+        label: str,
+        button: str,
+        send: Callable[[str, str], Awaitable[None]],
+        longest: int,
+        *,
+        urgent: Callable[[str], bool] = lambda _text: False,
     ) -> None:
         super().__init__("form")
         self.classes("entry")
         self._send = send
         self._longest = longest
+        self._urgent = urgent
         self._waiting: list[str] = []
         self._sending = asyncio.Lock()
         name = f"entry-{self.id}"
@@ -218,14 +226,19 @@ class Entry(Element):
     async def _submitted(self, event: Any) -> None:
         typed, asked = map(str, event.args)
         text = typed.strip()[: self._longest]
-        if not text or text in self._waiting or len(self._waiting) >= _WAITING_MOST:
+        if not text:
             return
-        self._waiting.append(text)
-        try:
-            async with self._sending:
-                taken = await attempt(self, lambda: self._send(text, asked))
-        finally:
-            self._waiting.remove(text)
+        if self._urgent(text):
+            taken = await attempt(self, lambda: self._send(text, asked))
+        elif text in self._waiting or len(self._waiting) >= _WAITING_MOST:
+            return
+        else:
+            self._waiting.append(text)
+            try:
+                async with self._sending:
+                    taken = await attempt(self, lambda: self._send(text, asked))
+            finally:
+                self._waiting.remove(text)
         if taken and not self.is_deleted:
             with self:
                 ui.run_javascript(f"cellctl.taken({_quoted(self._name)}, {_quoted(text)})")

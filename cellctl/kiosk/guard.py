@@ -69,8 +69,11 @@ class Names:
 
     def __init__(self, config: CellConfig, computer: str) -> None:
         public = urlsplit(config.kiosk.public_url)
-        own = {computer.lower(), f"{computer.lower()}.local", "localhost"}
-        self._hosts = own | {name.lower() for name in config.kiosk.host_names}
+        full = computer.lower()
+        short = full.partition(".")[0]
+        # ``.local``: by which computers of a room find each other (mDNS).
+        own = {full, short, f"{short}.local", "localhost"}
+        self._hosts = own | {name.lower().rstrip(".") for name in config.kiosk.host_names}
         self._public = _origin(public) if public.hostname else ""
         if public.hostname:
             self._hosts.add(public.hostname)
@@ -86,9 +89,12 @@ class Names:
                 "kiosk.host_names of the cell's configuration.",
             )
         origin = headers.get("origin")
-        if origin is None or urlsplit(origin).netloc.lower() == host.lower():
+        if origin is None:
             return None
-        if self._public and _origin(urlsplit(origin)) == self._public:
+        parts = _split(origin)
+        if parts is not None and parts.netloc.lower() == host.lower():
+            return None
+        if parts is not None and self._public and _origin(parts) == self._public:
             return None
         return Refusal(HTTPStatus.FORBIDDEN, "Another site's page asked for this.")
 
@@ -170,7 +176,8 @@ class Guard:
         """Whether that address may open no further one."""
         if is_loopback(address):
             return opened.total() >= self._most + RESERVE
-        return opened.total() >= self._most or opened[address] >= PER_ADDRESS
+        others = sum(count for name, count in opened.items() if not is_loopback(name))
+        return others >= self._most or opened[address] >= PER_ADDRESS
 
 
 def _address(scope: Scope) -> str:
@@ -181,9 +188,17 @@ def _address(scope: Scope) -> str:
 def _hostname(host: str) -> str:
     """Of a ``Host`` header, without its port; empty when it is none."""
     try:
-        return urlsplit(f"//{host}").hostname or ""
+        return (urlsplit(f"//{host}").hostname or "").rstrip(".")
     except ValueError:
         return ""
+
+
+def _split(origin: str) -> SplitResult | None:
+    """The parts of an ``Origin`` header; None when it is none."""
+    try:
+        return urlsplit(origin)
+    except ValueError:
+        return None
 
 
 def _is_address(name: str) -> bool:
@@ -196,4 +211,7 @@ def _is_address(name: str) -> bool:
 
 
 def _origin(parts: SplitResult) -> str:
-    return f"{parts.scheme}://{parts.netloc}".lower()
+    """As browsers say it: without the port that its scheme has anyway."""
+    usual = {"http": ":80", "https": ":443"}.get(parts.scheme.lower(), "")
+    netloc = parts.netloc.lower()
+    return f"{parts.scheme}://{netloc.removesuffix(usual) if usual else netloc}".lower()

@@ -18,6 +18,7 @@ from cellctl.kiosk.take_home import JobFiles
 from cellctl.messages import (
     ControlReply,
     ControlRequest,
+    DialogueData,
     FileCommand,
     FileData,
     JobData,
@@ -109,3 +110,38 @@ def test_what_is_no_jobs_id_is_refused_before_anybody_is_asked(tmp_path: Path) -
     link, _ = link_to(tmp_path)
     with pytest.raises(UsageError, match="is no job"):
         asyncio.run(link.file("mesh", "x" * 65))
+
+
+def test_a_question_is_shown_with_the_plan_that_it_is_about(tmp_path: Path) -> None:
+    """The plan comes with the whole picture only, the question's name with every message."""
+
+    async def exercise() -> None:
+        talk = DialogueData(phase="asking", question="build", asked="the first")
+        now = snapshot(dialogue=talk, inventory={"plan": 1})
+
+        async def handle(request: ControlRequest, _: bytes | None, _role: Role) -> Answer:
+            return Answer(answer(request, snapshot=now))
+
+        link, own = link_to(tmp_path)
+        seen: list[tuple[str, int]] = []
+        told = asyncio.Event()
+
+        def look() -> None:
+            if (there := link.mirror.snapshot) is not None:
+                seen.append((there.dialogue.asked, there.inventory["plan"]))
+                told.set()
+
+        async with asyncio.timeout(PATIENCE_S), serving(own.bus, handle) as bus, link.following():
+            link.mirror.watch(look)
+            while not seen:
+                await told.wait()
+            talk = talk.model_copy(update={"asked": "the second"})
+            now = snapshot(bus.seq + 1, dialogue=talk, inventory={"plan": 2})
+            while seen[-1][0] != "the second":
+                told.clear()
+                bus.publish(talk, "validating_confirming")
+                now = now.model_copy(update={"seq": bus.seq})
+                await told.wait()
+        assert set(seen) == {("the first", 1), ("the second", 2)}
+
+    asyncio.run(exercise())

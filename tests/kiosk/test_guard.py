@@ -67,7 +67,7 @@ def house() -> House:
     "host",
     [
         *("192.168.7.2:8080", "127.0.0.1", "localhost:8080", "[::1]:8080", "computer.local"),
-        *("COMPUTER", "cell.example", "show.local:8080"),
+        *("COMPUTER", "cell.example", "show.local:8080", "computer.local.", "computer.example"),
     ],
 )
 def test_the_page_is_known_by_its_addresses_and_names(host: str) -> None:
@@ -90,6 +90,8 @@ def test_a_name_that_somebody_else_pointed_here_is_refused(host: str) -> None:
         ("http://192.168.7.2:9090", 403),
         ("http://evil.example", 403),
         ("null", 403),
+        ("http://[", 403),
+        ("https://cell.example:443", 0),
         ("", 403),
     ],
 )
@@ -98,7 +100,7 @@ def test_only_the_pages_own_site_may_ask(origin: str, status: int) -> None:
 
 
 def _refused(headers: Mapping[str, str]) -> int:
-    refusal = Names(cell_config(kiosk=SITE), "computer").refusal(Headers(headers))
+    refusal = Names(cell_config(kiosk=SITE), "Computer.example").refusal(Headers(headers))
     return int(refusal.status) if refusal is not None else 0
 
 

@@ -18,7 +18,8 @@ def state(name: str) -> StateData:
     ("name", "phase", "need"),
     [
         ("paused_resting", "waiting", "look"),
-        ("paused_moving", "waiting", "look"),
+        ("paused_moving", "waiting", ""),
+        ("paused_braking", "waiting", ""),
         ("feeding_refilling", "waiting", "parts"),
         ("fault_held", "fault", "help"),
         ("feeding_indexing", "building", ""),

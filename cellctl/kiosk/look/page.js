@@ -89,11 +89,13 @@ window.cellctl = (() => {
     target.querySelector("input:not([disabled]), button:not([disabled])")?.focus();
   };
 
-  // What is typed and not yet taken outlives the page that it was typed into.
+  // What is typed and not yet taken outlives the page that it was typed into, but not its visitor:
+  // the next one before the same screen does not find it.
   const TYPED = "cellctl-typed";
+  const TYPED_FOR_MS = 120_000;
   const typed = (field) => {
     try {
-      sessionStorage.setItem(TYPED, field.value);
+      sessionStorage.setItem(TYPED, JSON.stringify({ text: field.value, at: Date.now() }));
     } catch {
       // it lives as long as the page
     }
@@ -101,7 +103,8 @@ window.cellctl = (() => {
   const typedBefore = (id) => {
     const field = document.getElementById(id);
     try {
-      if (field && !field.value) field.value = sessionStorage.getItem(TYPED) ?? "";
+      const { text, at } = JSON.parse(sessionStorage.getItem(TYPED) ?? "{}");
+      if (field && !field.value && Date.now() - at < TYPED_FOR_MS) field.value = text;
     } catch {
       // nothing was kept
     }

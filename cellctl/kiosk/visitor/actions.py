@@ -61,7 +61,11 @@ class Actions:
                         classes=f"offer offer--{offer}",
                     )
             self._entry = Entry(
-                words.say("visit.type"), words.say("visit.send"), self.say, MAX_TEXT
+                words.say("visit.type"),
+                words.say("visit.send"),
+                self.say,
+                MAX_TEXT,
+                urgent=self._stops,
             )
 
     def _doing(self, offer: Offer) -> Action:
@@ -86,10 +90,19 @@ class Actions:
         Raises:
             CellctlError: it does not hear, or says no.
         """
+        if self._stops(text):
+            # Always tried, and by the way that waits for nothing.
+            stop = PlainCommand(command="stop")
+            await self._page.site.link.ask(stop, visitor=self._page.visitor)
+            return
         if self._page.site.mirror.stale:
             raise RefusedError(self._page.words.say("visit.unheard"))
         body = SayCommand(text=text, asked=asked)
         await self._page.site.link.ask(body, visitor=self._page.visitor)
+
+    def _stops(self, text: str) -> bool:
+        """Whether that is a stop, in so many words."""
+        return text.lower().strip(" .!") in self._page.words.say("visit.stops").split(", ")
 
     def show(self, now: Telling) -> None:
         """Offer what makes sense now."""

@@ -128,7 +128,8 @@ def _need(snapshot: Snapshot) -> Need:
         return "help"
     if state == "feeding_refilling":
         return "parts"
-    return "look" if state.startswith("paused") else ""
+    # While it brakes, or an operator moves it, only its own sentence is true.
+    return "look" if state == "paused_resting" else ""
 
 
 def _sentence(snapshot: Snapshot) -> tuple[str, str]:
