@@ -50,6 +50,7 @@ from cellctl.feeding.inventory import Counts
 from cellctl.feeding.service import BeltService
 from cellctl.listening.hearing import Hearing
 from cellctl.messages import FaultData, GripperData, LogData, Snapshot, StatusData
+from cellctl.speaking.events import Began, Ended
 from cellctl.wording import load_wording
 from cellctl.worker import WorkerError, WorkerProcess
 
@@ -131,9 +132,7 @@ class Daemon:
             speaker=self.voice,
             publish=lambda data: self.bus.publish(data, self._state()),
         )
-        self.voice.heeded_by.append(
-            lambda event, text: self.dialogue.questions.voiced(text, event.at_s)
-        )
+        self.voice.heeded_by.append(self._question_voiced)
         commands = Commands(self.cell, Books(self.cell))
         self.conversation = Conversation(
             self.cell,
@@ -207,6 +206,12 @@ class Daemon:
 
     def _state(self) -> str:
         return self.cell.controller.state
+
+    def _question_voiced(self, event: Began | Ended, text: str) -> None:
+        """A question's words have begun, or are left to the screen. What ends as it should was said
+        of an earlier question of the same words."""
+        if isinstance(event, Began) or not event.complete:
+            self.dialogue.questions.voiced(text, event.at_s)
 
     async def _gripper_was_reset(self, cause: ResetCause | None) -> None:
         await settle_reset(

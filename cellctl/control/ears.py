@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
 
 import structlog
 
@@ -20,7 +22,7 @@ from cellctl.control.drafts import Drafts
 from cellctl.control.states import TRANSITIONS, Event
 from cellctl.control.voice import LiveVoice
 from cellctl.errors import CellctlError, HearingError, RefusedError
-from cellctl.listening.commands import Sayings
+from cellctl.listening.commands import Sayings, is_praise
 from cellctl.listening.ears.ears import Ears
 from cellctl.listening.ears.events import Condition, Draft, NoSpeech, Segment, WakeWordHeard
 from cellctl.listening.ears.words import overheard_command
@@ -42,6 +44,16 @@ _WAITING_LIMIT = 4
 _FOLLOW_EVERY_S = 0.05
 """How often the state is looked at (wall time)."""
 _NOT_UNDERSTOOD = "I heard nothing that I could understand. Please say it again."
+
+
+T = TypeVar("T")
+
+
+def _put(queue: asyncio.Queue[T], item: T) -> None:
+    if queue.full():
+        log.warning("too much is said at once; the oldest is not recognised")
+        queue.get_nowait()
+    queue.put_nowait(item)
 
 
 def _sources(event: Event) -> frozenset[str]:
@@ -95,6 +107,8 @@ class LiveEars:
         self._translated = translated
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
+        self._heard: asyncio.Queue[tuple[Segment, str]] = asyncio.Queue(_WAITING_LIMIT)
+        """What is no stop, with what the cell itself said meanwhile."""
         self.data = EarsData(
             state="off" if self._ears is None else "starting",
             activation=settings.activation,
@@ -115,6 +129,7 @@ class LiveEars:
                 tasks.create_task(self._ears.run(), name="ears process")
                 tasks.create_task(self._follow(self._ears), name="ears follow")
                 tasks.create_task(self._events(self._ears), name="ears events")
+                tasks.create_task(self._look_for_stops(take), name="ears stop")
                 tasks.create_task(self._recognise(take), name="ears recognise")
         finally:
             await self._drafts.close()
@@ -176,10 +191,7 @@ class LiveEars:
                 case Segment() as segment:
                     if segment.after in {"wake_word", "push_to_talk"}:
                         self._voice.ring("heard")
-                    if self._segments.full():
-                        log.warning("too much is said at once; the oldest is not recognised")
-                        self._segments.get_nowait()
-                    self._segments.put_nowait(segment)
+                    _put(self._segments, segment)
 
     def _changed(self, condition: Condition) -> None:
         bad = condition.state in {"lost", "silent", "slow"}
@@ -200,13 +212,19 @@ class LiveEars:
         """Say something to the people in the room, until the next change."""
         self._publish(self.data.model_copy(update={"sentence": self._translated(sentence)}))
 
-    async def _recognise(self, take: Take) -> None:
+    async def _look_for_stops(self, take: Take) -> None:
+        """Nothing that takes its time, such as asking a language model, may be before a stop."""
         while True:
             segment = await self._segments.get()
-            try:
-                own = self._own_words(segment)
-                if await self._stopped_at_once(segment, own, take):
-                    continue
+            own = self._own_words(segment)
+            with self._surviving():
+                if not await self._stopped_at_once(segment, own, take):
+                    _put(self._heard, (segment, own))
+
+    async def _recognise(self, take: Take) -> None:
+        while True:
+            segment, own = await self._heard.get()
+            with self._surviving():
                 utterance = await self._drafts.result(segment)
                 command = overheard_command(utterance.text) is not None
                 others = of_others(utterance.text, own, command=command)
@@ -215,15 +233,20 @@ class LiveEars:
                     continue
                 said = utterance.model_copy(update={"text": others})
                 await self._judge(segment, said, own, take)
-            except HearingError as error:
-                log.warning("speech not recognised", reason=str(error))
-                self._tell(str(error))
-            except CellctlError as error:
-                log.info("not done", reason=str(error))
-                self._tell(str(error))
-            except Exception:
-                # The next word may be "stop": it must be heard whatever went wrong with this one.
-                log.exception("heard in vain")
+
+    @contextmanager
+    def _surviving(self) -> Iterator[None]:
+        """Tell what went wrong with what was heard, and go on: the next word may be "stop"."""
+        try:
+            yield
+        except HearingError as error:
+            log.warning("speech not recognised", reason=str(error))
+            self._tell(str(error))
+        except CellctlError as error:
+            log.info("not done", reason=str(error))
+            self._tell(str(error))
+        except Exception:
+            log.exception("heard in vain")
 
     def _own_words(self, segment: Segment) -> str:
         """What the cell itself said while that was heard."""
@@ -255,7 +278,7 @@ class LiveEars:
         if segment.after and not utterance.text:
             self._publish(SpeechData(utterance=utterance))
             self._tell(_NOT_UNDERSTOOD)
-        elif segment.after or (word is not None and self._counts(word)):
+        elif segment.after or (word is not None and self._counts(word, utterance.text)):
             said = utterance if word != "stop" else utterance.model_copy(update={"text": word})
             await self._do(said, segment, take)
         elif word is None and not own and utterance.text and await self._changes(utterance.text):
@@ -267,11 +290,16 @@ class LiveEars:
         log.info("heard", after=segment.after or "nothing", delay_s=delay_s)
         self._voice.hush()
         self._publish(SpeechData(utterance=utterance))
-        await take(utterance, segment.speech_end_s - segment.speech_s)
+        # Of long talk only the last seconds were kept: what counts began with them at the earliest.
+        kept_s = min(segment.speech_s, len(segment.samples) / SAMPLE_RATE_HZ)
+        await take(utterance, segment.speech_end_s - kept_s)
 
-    def _counts(self, word: str) -> bool:
-        """Whether a word counts that was said without the wake word or the button."""
+    def _counts(self, word: str, text: str) -> bool:
+        """Whether a word counts that was said without the wake word or the button. People praise
+        what they see to each other as well: that agrees to nothing."""
         state = self._state()
+        if word == "yes" and is_praise(text):
+            return False
         if word in {"yes", "no"}:
             return self._asks()
         if word == "pause":

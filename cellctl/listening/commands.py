@@ -129,6 +129,11 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
     "help": ("help", "help me"),
 }
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}
+_AGREES = re.compile(
+    r"\b(?:yes|yeah|yep|yup|ok|okay|sure|of course|correct|confirm(?:ed)?|affirmative|go|do it|"
+    r"do that|please do|build|start|begin|make it so|take it|"
+    r"good|great|perfect|fine|right|the one)\b"
+)
 _POLITE = frozenset(
     {"please", "now", "right", "robot", "hey", "um", "uh", "immediately", "ok", "okay", "oh",
      "just", "well", "then", "yes", "yeah", "yep", "sure", "alright", "actually", "so", "sorry",
@@ -221,6 +226,12 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
         or _with_more(leading.split())
         or _in_pieces(said.split(), own.sentences, polite)
     )
+
+
+def is_praise(text: str) -> bool:
+    """Whether an English yes only says that something pleases, which people say to each other as
+    well: "lovely", "exactly"."""
+    return spoken_command(text) == "yes" and _AGREES.search(plain(text)) is None
 
 
 def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str]) -> str | None:

@@ -168,7 +168,7 @@ class Wording:
 def _number(count: str) -> int:
     """The count that picks a form, of a number in digits or in words; words need no more than to
     tell one from several."""
-    return int(count) if count.isdigit() else 1 if count.lower() == "one" else 2
+    return int(count) if count.isdecimal() else 1 if count.lower() == "one" else 2
 
 
 def _pattern(form: str) -> re.Pattern[str]:

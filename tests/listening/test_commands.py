@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cellctl.listening.commands import spoken_command
+from cellctl.listening.commands import is_praise, spoken_command
 
 
 @pytest.mark.parametrize(
@@ -94,3 +94,15 @@ def test_control_words_are_commands(text: str, command: str) -> None:
 )
 def test_nothing_else_is_a_command(text: str) -> None:
     assert spoken_command(text) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "praise"),
+    [
+        *(("lovely", True), ("Exactly!", True), ("thank you, lovely", True), ("I like it", True)),
+        *(("yes, lovely", False), ("sounds lovely, go on then", False), ("okay", False)),
+        *(("build it", False), ("a simple stool", False), ("no", False)),
+    ],
+)
+def test_what_pleases_people_is_told_from_what_they_agree_to(text: str, praise: bool) -> None:
+    assert is_praise(text) is praise
