@@ -23,6 +23,8 @@ _ARRIVED_M = 0.0015
 _CLOSEST_M = 0.00015
 """A short path has arrived within a tenth of its length, but never closer than this."""
 _ARRIVED_RAD = 0.002
+_HELD_BACK_M = 0.012
+"""An arm that presses on something is less than this off the target that it has reached."""
 _STALLED_S = 0.5
 """At rest away from the target for so long: the movement has ended early."""
 _STOP_TIMEOUT_S = 5.0
@@ -86,7 +88,8 @@ def follow(link: Link, order: Follow, timeout_factor: float) -> Generator[None, 
     def arrived(sample: Sample) -> bool:
         # Where something is in the way, the arm comes to rest without being quite there.
         apart_m, apart_rad = distance(sample.told_pose, target)
-        return apart_m < within_m and apart_rad < _ARRIVED_RAD
+        off_m, _ = distance(sample.tcp_pose, sample.told_pose)
+        return apart_m < within_m and apart_rad < _ARRIVED_RAD and off_m < _HELD_BACK_M
 
     arriving = _arrive(link, arrived, order.planned_duration_s * timeout_factor)
     if order.switch is None:

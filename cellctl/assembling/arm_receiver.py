@@ -25,6 +25,7 @@ REST_M_S = 0.002
 _LOST_AFTER_S = 1.0
 """A controller time that stands still for so long (wall time) means a lost controller."""
 _POLL_S = 0.005
+_READ_AGAIN = 3
 
 _VARIABLES = [
     "timestamp",
@@ -193,9 +194,19 @@ class Receiver:
         return _SAFETY_MODES.get(number, str(number))
 
     def _read(self) -> Sample:
+        """One state. The library takes in packets meanwhile: what was read across two of them is
+        read again, for the arm may not seem to be off its target by what it moved in between."""
+        for _ in range(_READ_AGAIN):
+            before_s = self._receive.getTimestamp()
+            sample = self._read_once(before_s)
+            if self._receive.getTimestamp() == before_s:
+                break
+        return sample
+
+    def _read_once(self, robot_time_s: float) -> Sample:
         receive = self._receive
         return Sample(
-            robot_time_s=receive.getTimestamp(),
+            robot_time_s=robot_time_s,
             joints_rad=_six(receive.getActualQ()),
             joint_speed_rad_s=max(abs(speed) for speed in receive.getActualQd()),
             tcp_pose=_six(receive.getActualTCPPose()),

@@ -26,11 +26,9 @@ class Wishes(NamedTuple):
     """Heights of the TCP above the floor that a way across must have, at even shares of it."""
 
     strict_m: Floats
-    """With what stands right beside the places where it begins and ends."""
+    """With what stands right beside the place where it begins."""
     leaving_m: Floats
     """Without what it only leads away from."""
-    sparing_m: Floats
-    """Without what it only leads towards, either."""
 
 
 def wishes(
@@ -52,7 +50,7 @@ def wishes(
         clearance_m: between what moves and what it passes, sideways too.
         cell_from_base: to measure heights.
     """
-    strict, leaving, sparing = np.zeros((3, len(points)))
+    strict, leaving = np.zeros((2, len(points)))
     for group in groups:
         top_from_frame = cell_from_base @ inverse(group.frame_from_base)
         tops_m = top_from_frame[2, 3] + group.high[:, 2]
@@ -60,18 +58,16 @@ def wishes(
             apart_m = group.sideways_all_m(body, points, rotations)
             near = apart_m < clearance_m
             # What stands beside the place where it begins, and that it only leads away from, need
-            # not be passed over: some clearance upward frees the faces that touched. And so it is
-            # with what stands beside the place where it ends.
+            # not be passed over: some clearance upward frees the faces that touched. What stands
+            # beside the place where it ends is passed over: nothing would feel a push at its side.
             beside = ~(apart_m < -TOUCH_M).any(axis=0)
             growing_m = np.diff(apart_m, axis=0)
             most_m = TOUCH_M / len(points)
             left = near[0] & beside & (growing_m > -most_m).all(axis=0)
-            met = near[-1] & beside & (growing_m < most_m).all(axis=0)
             wanted = np.where(near, tops_m + clearance_m + body.high[2], 0.0)
             strict = np.maximum(strict, wanted.max(axis=1, initial=0.0))
             leaving = np.maximum(leaving, wanted[:, ~left].max(axis=1, initial=0.0))
-            sparing = np.maximum(sparing, wanted[:, ~(left | met)].max(axis=1, initial=0.0))
-    return Wishes(strict, leaving, sparing)
+    return Wishes(strict, leaving)
 
 
 def profile(

@@ -46,7 +46,6 @@ class RouteFinder:
         self._clearance_m = config.robot.clearance_m
         curve_m = min(config.robot.blend_radius_m, self._clearance_m)
         self._lift_m = _STRAIGHT_LIFT_M + curve_m
-        self._arriving_m = max(self._clearance_m, _STRAIGHT_DOWN_M + curve_m)
         self._pitch_m = config.voxel.pitch_m
         self._frames = frames
         self._checker = checker
@@ -113,7 +112,7 @@ class RouteFinder:
 
     def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
         """Ways across, by their heights; the first ones lead away from what stands beside their
-        beginning, and towards what stands beside their end, without passing over it."""
+        beginning without passing over it."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
         leaving_m = max(self._clearance_m, self._lift_m if scene.carrying else 0.0)
@@ -144,9 +143,6 @@ class RouteFinder:
         found = [level(wanted.strict_m, from_m, to_m)]
         if not np.array_equal(wanted.strict_m, wanted.leaving_m):
             found.insert(0, level(wanted.leaving_m, from_m + leaving_m, to_m))
-        if not np.array_equal(wanted.leaving_m, wanted.sparing_m):
-            begin_m, end_m = from_m + leaving_m, to_m + self._arriving_m
-            found.insert(0, level(wanted.sparing_m, begin_m, end_m))
         return found
 
 

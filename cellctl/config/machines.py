@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cellctl.config.section import Joints, Port, Pose, Positive, Section
 
@@ -79,6 +79,23 @@ class RobotSection(Section):
     """For connecting to the controller and starting its program."""
     move_timeout_factor: Annotated[float, Field(ge=1.2, le=20.0)] = 3.0
     """A movement that takes this many times its planned duration, plus 2 s, is a fault."""
+
+    @model_validator(mode="after")
+    def _can_feel(self) -> Self:
+        """Pressing must move an arm without a force sensor by more than what counts as touching."""
+        if self.model != "ur10" or not self.touch_depth_m:
+            return self
+        if self.touch_lag_m > 0.6 * self.touch_depth_m:
+            raise ValueError(
+                "touch_lag_m must be at most 0.6 of touch_depth_m: a part is pressed no deeper, so "
+                "that it would never be felt."
+            )
+        if self.early_lag_m <= self.touch_depth_m:
+            raise ValueError(
+                "early_lag_m must be more than touch_depth_m: every part that is seated as it "
+                "should be would have met something too early."
+            )
+        return self
 
 
 class GripperSection(Section):

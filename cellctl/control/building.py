@@ -133,7 +133,7 @@ class Builder(Acting):
             assert step is not None, "a part is picked for a step"
             await hands.foreseeing(
                 hands.close(prove=False),
-                str(step.cell),
+                _way_to(step.cell, job),
                 partial(hands.routes.to_seat, step.cell, pace=job.pace),
                 self.standing,
             )
@@ -193,7 +193,9 @@ class Builder(Acting):
             routes = self._hands.routes
             move = asyncio.create_task(
                 self._travel(
-                    partial(routes.to_seat, step.cell, pace=job.pace), job, key=str(step.cell)
+                    partial(routes.to_seat, step.cell, pace=job.pace),
+                    job,
+                    key=_way_to(step.cell, job),
                 )
             )
             try:
@@ -398,3 +400,9 @@ class Builder(Acting):
         if self._feed_act is None:
             self._feed_act = await self._journal.intend(ActKind.FEED, job.job_id)
         self._belt.request_part()
+
+
+def _way_to(cell: Cell, job: Job) -> str:
+    """What a way that is made in advance is known by: one to the same cell at another pace is not
+    the same."""
+    return f"{cell} {job.pace}"

@@ -113,7 +113,10 @@ class ArmAndLatch:
             CellFault: ``robot_lost``.
         """
         state = self.state()
-        return Stance(state.told_pose, state.joints_rad)
+        off_m = math.hypot(*state.tcp_lag_m)
+        # Further off, as after a stop, its target says nothing of where it is.
+        pressing = off_m <= self._config.robot.early_lag_m
+        return Stance(state.told_pose if pressing else state.tcp_pose, state.joints_rad)
 
     async def foreseeing(
         self,

@@ -71,8 +71,13 @@ class Touch:
         feeling = self._feeling
         seat = self._hands.routes.place_stance(cell).tcp_pose[:3]
         readings: deque[float] = deque(maxlen=feeling.moving)
+        read_s: float | None = None
         while not move.done():
             state = self._hands.state()
+            if state.robot_time_s == read_s:
+                await self._clock.sleep(_POLL_S)
+                continue
+            read_s = state.robot_time_s
             # Elsewhere the part hangs free, and whatever shakes it is no contact.
             if math.dist(state.tcp_pose[:3], seat) < _NEAR_SEAT_M:
                 readings.append(feeling.upward(state) - feeling.slack(state))
