@@ -82,6 +82,8 @@ class ArmState(Value):
     digital_inputs: int
     """Bits 0-7: the standard inputs."""
     digital_outputs: int
+    speed_fraction: float = 1.0
+    """Where somebody put the speed slider."""
 
     @property
     def told_pose(self) -> Pose:

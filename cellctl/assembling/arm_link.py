@@ -31,12 +31,15 @@ import rtde_control
 import rtde_io
 
 from cellctl.assembling.arm import ArmCheck, ArmIdentity, JointWaypoint, Path
-from cellctl.assembling.arm_receiver import PLAYING, Receiver, Sample, safety_fault
+from cellctl.assembling.arm_receiver import (
+    GATE_OPEN_FRACTION,
+    PLAYING,
+    Receiver,
+    Sample,
+    safety_fault,
+)
 from cellctl.config import Joints, Pose, RobotSection, Vector
 from cellctl.errors import CellFault
-
-GATE_OPEN_FRACTION = 0.01
-"""A speed slider below this is the gate, not somebody's choice: the pendant's ends at 1 %."""
 
 STOP_DECELERATION_M_S2 = 3.0
 """For a stop on request; from 1 m/s it takes 0.17 m."""

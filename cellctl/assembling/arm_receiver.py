@@ -22,6 +22,8 @@ STOPPED = 1
 RUNNING = 7
 """``robot_mode`` of an arm with power on and brakes released."""
 REST_M_S = 0.002
+GATE_OPEN_FRACTION = 0.01
+"""A speed slider below this is the gate, not somebody's choice: the pendant's ends at 1 %."""
 _LOST_AFTER_S = 1.0
 """A controller time that stands still for so long (wall time) means a lost controller."""
 _POLL_S = 0.005
@@ -87,8 +89,14 @@ class Sample(NamedTuple):
         """Whether nothing moves."""
         return self.tcp_speed_m_s < REST_M_S and self.joint_speed_rad_s < REST_M_S
 
-    def state(self) -> ArmState:
-        """In the words of the rest of the cell."""
+    def state(self, chosen_fraction: float) -> ArmState:
+        """In the words of the rest of the cell.
+
+        Args:
+            chosen_fraction: where somebody put the speed slider, for while a path waits and this
+                cell holds it at 0.
+        """
+        held = self.speed_fraction < GATE_OPEN_FRACTION
         safety = "normal"
         for bits, name in (
             (_PROTECTIVE, "protective"),
@@ -111,6 +119,7 @@ class Sample(NamedTuple):
             powered=self.robot_mode == RUNNING,
             digital_inputs=self.inputs & 0xFF,
             digital_outputs=self.outputs & 0xFF,
+            speed_fraction=chosen_fraction if held else self.speed_fraction,
         )
 
     def _lag_m(self) -> Vector:

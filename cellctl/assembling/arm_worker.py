@@ -126,7 +126,8 @@ class Worker:
     def _report(self, link: Link) -> None:
         """Send the newest state; also before every answer, so that it shows what came of it."""
         self._reported_at_s = time.monotonic()
-        self._send(Report(state=link.sample.state(), speed_fraction=link.speed_fraction))
+        state = link.sample.state(link.speed_fraction)
+        self._send(Report(state=state, speed_fraction=link.speed_fraction))
 
     def _listen(self) -> bool:
         """Take what the daemon sent; False when it is gone."""

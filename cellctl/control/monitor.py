@@ -39,6 +39,7 @@ def arm_view(state: ArmState | None) -> ArmData:
         tcp_speed_m_s=state.tcp_speed_m_s,
         moving=state.moving,
         safety=state.safety,
+        speed_fraction=state.speed_fraction,
     )
 
 

@@ -86,6 +86,8 @@ class ArmData(Value):
     tcp_speed_m_s: float = 0.0
     moving: bool = False
     safety: str = "unknown"
+    speed_fraction: float = 1.0
+    """Where the speed slider on the pendant is; 1 is full speed."""
 
 
 class BoardData(Value):
