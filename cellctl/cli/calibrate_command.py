@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +15,7 @@ from cellctl.assembly import Pace, Role
 from cellctl.cli.frames_walk import MEASURED, FramesWalk, Touch
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, KeyOption, client
-from cellctl.cli.speed_walk import PAPERS, SpeedWalk, best, column, values_of
+from cellctl.cli.speed_walk import PAPERS, SpeedWalk, best, beyond, column, values_of
 from cellctl.client import CellClient
 from cellctl.config import CellConfig, find_config, load_config
 from cellctl.config.rewriting import NewValues, difference, replace_file, rewritten
@@ -87,7 +87,8 @@ def register(app: typer.Typer) -> None:
         The paper's trial: at each speed and acceleration the object is built on the square path and
         taken apart. Stay at the emergency stop: parts fall. Pause, stop and cancel work as ever;
         Ctrl-C cancels the trial. The quickest pace at which everything stood each time is shown as
-        the limit for movements with a part, and is written only after a yes.
+        the limit for movements with a part, and is written only after a yes. Paces beyond what
+        the cell was commissioned with are tried only after a yes.
         """
         _need_terminal("speed")
         path = find_config(config)
@@ -95,6 +96,7 @@ def register(app: typer.Typer) -> None:
         paces = [read_pace(text) for text in pace] if pace else PAPERS
         name = thing.name if thing is not None else "column of two.json"
         content = read_file(thing) if thing is not None else column(settings.voxel.pitch_m)
+        need_consent(paces, settings, typer.confirm)
         with client(config, Role.OPERATOR, key) as cell:
             walk = SpeedWalk(cell, _Standing(), name=name, content=content, times=times)
             try:
@@ -106,9 +108,12 @@ def register(app: typer.Typer) -> None:
             if chosen is None:
                 typer.echo("At no pace did everything stand; nothing was changed.")
                 raise typer.Exit(int(ExitStatus.DIFFERS))
-            written = offer(path, values_of(chosen, name), typer.confirm)
-            note = f"limit for carrying {'written' if written else 'not written'}: {chosen}"
-            cell.request(CalibratedCommand(what="speed", note=note))
+            written = False
+            try:
+                written = offer(path, values_of(chosen, name), typer.confirm)
+            finally:
+                note = f"limit for carrying {'written' if written else 'not written'}: {chosen}"
+                cell.request(CalibratedCommand(what="speed", note=note))
 
 
 def _cancel(cell: CellClient) -> None:
@@ -117,6 +122,34 @@ def _cancel(cell: CellClient) -> None:
         typer.echo(f"Cancelling the trial. {cell.command('cancel').message}")
     except RefusedError as refused:
         typer.echo(f"The trial was not cancelled. {refused}")
+
+
+def need_consent(
+    paces: Sequence[Pace], settings: CellConfig, agreed: Callable[[str], bool]
+) -> None:
+    """Name the paces that exceed what the cell was commissioned with, and ask whether to try them.
+
+    Args:
+        paces: what is to be tried.
+        settings: the cell as it is configured.
+        agreed: asks a question that is answered with yes or no.
+
+    Raises:
+        RefusedError: no.
+    """
+    robot = settings.robot
+    limit = Pace(speed_m_s=robot.travel_speed_m_s, acceleration_m_s2=robot.travel_acceleration_m_s2)
+    faster = beyond(paces, limit)
+    if not faster:
+        return
+    typer.echo(f"The cell was commissioned with {limit}. With a part, these trials exceed that:")
+    for pace in faster:
+        typer.echo(f"   {pace}")
+    if not agreed("Is everybody out of reach, and may the arm go so fast?"):
+        raise RefusedError(
+            "Paces beyond the limits of the cell are tried only after a yes; nothing was tried.",
+            "Name slower ones with --pace.",
+        )
 
 
 def read_pace(text: str) -> Pace:
@@ -140,6 +173,9 @@ class _Standing:
 
     def tell(self, text: str) -> None:
         typer.echo(text)
+
+    def agreed(self, question: str) -> bool:
+        return typer.confirm(question)
 
     def removed(self, what: str) -> bool:
         typer.echo(what)

@@ -9,16 +9,47 @@ from pathlib import Path
 
 import pytest
 
-from cellctl.assembly import Assembly, BuildPlan, Cell, Pace, Role, Step, StepKind
-from cellctl.cli.calibrate_command import offer, read_pace
-from cellctl.cli.speed_walk import PAPERS, Attempts, SpeedWalk, best, column, values_of
+from cellctl.assembly import (
+    Assembly,
+    BuildPlan,
+    Cell,
+    Change,
+    Pace,
+    PartOutcome,
+    Role,
+    Step,
+    StepKind,
+)
+from cellctl.cli.calibrate_command import need_consent, offer, read_pace
+from cellctl.cli.speed_walk import (
+    PAPERS,
+    Attempts,
+    SpeedWalk,
+    best,
+    column,
+    need_full_speed,
+    need_ready,
+    remarks_on,
+    told_a_part,
+    values_of,
+)
 from cellctl.client import CellClient
 from cellctl.config import load_config
 from cellctl.config.rewriting import rewritten
 from cellctl.control.acts import JobFiles
 from cellctl.control.job import Job
 from cellctl.control.journal_rows import job_of, job_row
-from cellctl.errors import PlanError, RefusedError, UsageError
+from cellctl.errors import ExitStatus, PlanError, RefusedError, UsageError
+from cellctl.messages import (
+    ArmData,
+    ConveyorData,
+    FaultData,
+    GripperData,
+    HealthData,
+    JobData,
+    Snapshot,
+    StateData,
+)
 from cellctl.sim.isolation import write_config
 from cellctl.validating.plan import plan_file
 from cellctl.validating.trials import paced, plan_trial
@@ -46,6 +77,102 @@ def test_the_quickest_at_which_all_stood_is_chosen() -> None:
     assert best([sometimes, attempts(3.0, 0, 0.0, tried=0)]) is None
 
 
+@pytest.mark.parametrize(
+    ("speed_m_s", "acceleration_m_s2", "counts"),
+    [(2.0, 2.0, False), (1.5, 1.0, False), (1.5, 0.9, True), (1.4, 3.0, True)],
+)
+def test_nothing_counts_that_is_as_fast_as_what_failed(
+    speed_m_s: float, acceleration_m_s2: float, counts: bool
+) -> None:
+    slow, failed = attempts(1.0, 2, 6.0), attempts(1.5, 1, 5.0)
+    lucky = Attempts(Pace(speed_m_s=speed_m_s, acceleration_m_s2=acceleration_m_s2), 2, 2, 4.0)
+    assert best([slow, failed, lucky]) is (lucky if counts else slow)
+    refused = failed._replace(tried=0, stood=0)
+    assert best([slow, refused, lucky]) is lucky
+
+
+def snapshot(**changes: object) -> Snapshot:
+    """A cell that is idle and empty."""
+    whole = Snapshot(
+        seq=1,
+        version="1",
+        cell="cell",
+        kind="emulated",
+        grid=(6, 5, 6),
+        state=StateData(state="idle", previous="starting", event="started"),
+        job=None,
+        plan=None,
+        parts=(),
+        standing=(),
+        inventory={"unknown": 0},
+        arm=ArmData(connected=True),
+        conveyor=ConveyorData(connected=True),
+        gripper=GripperData(holding="nothing"),
+        fault=FaultData(),
+        health=HealthData(uptime_s=1.0, loop_blocked_p99_s=0.0, loop_blocked_max_s=0.0, inbox=0),
+        recogniser="none",
+    )
+    return whole.model_copy(update=changes)
+
+
+def test_what_was_told_for_a_part_needs_every_part_felt() -> None:
+    job = JobData(job_id="x", role=Role.OPERATOR, outcome="built", parts_total=2)
+    parts = tuple(
+        PartOutcome(step=z, cell=Cell(0, 0, z), seconds=9.0, waited_s=0.0, predicted_s=5.0 + z)
+        for z in range(2)
+    )
+    assert told_a_part(snapshot(job=job, parts=parts)) == pytest.approx(5.5)
+    for felt in (parts[:1], ()):
+        with pytest.raises(RefusedError, match="interrupted before every part was felt"):
+            told_a_part(snapshot(job=job, parts=felt))
+    with pytest.raises(RefusedError, match="interrupted"):
+        told_a_part(snapshot(job=job.model_copy(update={"parts_total": 0})))
+
+
+def test_what_was_changed_or_is_in_question_is_shown_before_a_yes() -> None:
+    job = JobData(
+        job_id="x",
+        role=Role.OPERATOR,
+        changes=(Change(what="It is smaller.", why="The arm does not reach so far."),),
+        questions=("Two legs?",),
+    )
+    assert remarks_on(job) == ["It is smaller. The arm does not reach so far.", "Two legs?"]
+    assert remarks_on(JobData(job_id="x", role=Role.OPERATOR)) == []
+
+
+def test_a_trial_needs_the_speed_slider_at_full_speed() -> None:
+    need_ready(snapshot())
+    need_full_speed(0.99)
+    with pytest.raises(RefusedError, match="slider is at 50%"):
+        need_ready(snapshot(arm=ArmData(connected=True, speed_fraction=0.5)))
+    with pytest.raises(RefusedError, match="slider was at 98%"):
+        need_full_speed(0.98)
+    with pytest.raises(RefusedError, match="nothing stands"):
+        need_ready(snapshot(standing=(Cell(0, 0, 0),)))
+
+
+def test_paces_beyond_the_limits_of_the_cell_need_a_yes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    settings = cell_config(robot={"travel_speed_m_s": 1.5, "travel_acceleration_m_s2": 1.0})
+    within = [PAPERS[0], PAPERS[5]]
+    asked: list[str] = []
+
+    def answer(question: str) -> bool:
+        asked.append(question)
+        return len(asked) == 1
+
+    need_consent(within, settings, answer)
+    assert asked == []
+    need_consent([*within, PAPERS[1]], settings, answer)
+    shown = capsys.readouterr().out
+    assert "   1.5 m/s and 1.5 m/s2\n" in shown
+    assert str(PAPERS[0]) not in shown
+    with pytest.raises(RefusedError, match="nothing was tried") as refused:
+        need_consent(PAPERS, settings, answer)
+    assert refused.value.exit_status == ExitStatus.USAGE
+
+
 def test_it_is_written_as_the_limit_for_carrying(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     file.write_text(CONFIG.read_text())
@@ -56,6 +183,15 @@ def test_it_is_written_as_the_limit_for_carrying(tmp_path: Path) -> None:
     assert robot.carrying_measured.endswith("a  stool.glb, 2 of 2 stood at 1.5 m/s and 1 m/s2")
     again, _ = rewritten(file.read_text(), values, "again")
     assert again == file.read_text()
+
+
+def test_a_long_name_is_cut_to_what_the_configuration_takes(tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text(CONFIG.read_text())
+    assert offer(file, values_of(attempts(1.5, 2, 5.0), "n" * 200), lambda _: True) is True
+    measured = load_config(file).robot.carrying_measured
+    assert len(measured) == 200
+    assert measured.endswith("nn, 2 of 2 stood at 1.5 m/s and 1 m/s2")
 
 
 @pytest.mark.parametrize("text", ["", "1", "1,2,3", "fast,1", "0,1", "4,1", "1,nan"])
@@ -74,6 +210,9 @@ class Standing:
 
     def tell(self, text: str) -> None:
         self.told.append(text)
+
+    def agreed(self, question: str) -> bool:
+        raise AssertionError(f"nothing is in question in these trials: {question}")
 
     def removed(self, what: str) -> bool:
         assert "nothing is felt under the open gripper" in what
@@ -214,6 +353,9 @@ def file(cell: RunningCell, tmp_path: Path) -> Path:
 def test_an_operator_at_a_terminal_has_the_limit_written(cell: RunningCell, file: Path) -> None:
     paces = ("--pace", "2.5,2.5", "--pace", "1,1")
     with Terminal(file, "calibrate", "speed", *paces) as terminal:
+        terminal.see("   2.5 m/s and 2.5 m/s2")
+        terminal.see("Is everybody out of reach")
+        terminal.type("y")
         cell.wait("a fault", lambda now: now.fault.entry is not None)
         terminal.see("Take away what fell")
         cell.world.clear_workspace()
