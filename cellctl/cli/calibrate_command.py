@@ -106,7 +106,8 @@ def register(app: typer.Typer) -> None:
                 raise
             chosen = best(found)
             if chosen is None:
-                typer.echo("At no pace did everything stand; nothing was changed.")
+                typer.echo("At no pace, with all slower ones, did everything stand.")
+                typer.echo("Nothing was changed.")
                 raise typer.Exit(int(ExitStatus.DIFFERS))
             written = False
             try:
