@@ -265,6 +265,9 @@ class Standing:
     def tell(self, text: str) -> None:
         assert text
 
+    def agreed(self, question: str) -> bool:
+        raise AssertionError(f"nothing is in question in these trials: {question}")
+
     def removed(self, what: str) -> bool:
         assert "nothing is felt under the open gripper" in what
         self._removed()
