@@ -145,7 +145,7 @@ def test_cancel_places_the_part_on_its_way_and_leaves_what_stands(idle: RunningC
     truth = idle.truth()
     assert len(truth.built) == 1
     assert truth.violations == ()
-    idle.visitor.say("the letter T")
+    idle.visitor.say("the letter L")
     assert "1 of 1 part stays" in idle.wait_state("validating_confirming").state.sentence
     idle.visitor.confirm(False)
     assert idle.finish().outcome == "declined"
