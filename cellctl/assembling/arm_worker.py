@@ -270,6 +270,7 @@ class Worker:
             link.describe_tool(order.tcp, order.payload_kg, order.payload_cog_m)
             link.open_gate()
             link.guard()
+            _take_precedence()
             self._link, self._robot, self._dashboard = link, order, dashboard
             self._report(link)
         self._send(Done(number=order.number, identity=identity))
@@ -308,17 +309,14 @@ class Worker:
 
 
 def _take_precedence() -> None:
-    """Come before other work on this computer, as far as that is granted.
+    """Let the loop come before all other work on this computer, as far as that is granted.
 
     The controller stops the arm after a tenth of a second of silence. Niceness alone does not keep
     that: among busy threads of a recogniser and a browser, waits of 0.4 s were seen on two cores.
-    The library's threads, which are started later, inherit it.
+    Only the loop's own thread: the library's poll so often that they would take a core from others.
     """
-    try:
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_PRIORITY))
-    except PermissionError:
-        with suppress(PermissionError):
-            os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
+    with suppress(PermissionError):
+        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(_PRIORITY))
 
 
 def main() -> None:
@@ -332,7 +330,8 @@ def main() -> None:
     # What cannot be printed at once is lost: nothing but the robot may hold this process up.
     os.set_blocking(1, False)
     os.set_blocking(2, False)
-    _take_precedence()
+    with suppress(PermissionError):
+        os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)  # the library's threads inherit it
     status = 0
     try:
         Worker(socket.socket(fileno=int(sys.argv[1]))).run()

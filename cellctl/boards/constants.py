@@ -72,7 +72,8 @@ class Command(StrEnum):
     CLEAR = "C"
     """Forgets the latched error or fault."""
     FORWARD = "F"
-    """Moves until the sensor sees a part's edge; done at once when a part is there."""
+    """Moves until the sensor sees a part's edge, and the part on to its stop; done at once when a
+    part is there, unless an index that was cut off behind the edge left it short of the stop."""
     BACKWARD = "B"
     """Moves one pitch backward, to take a part back; the part must have left the sensor."""
     HALT = "H"
