@@ -58,8 +58,6 @@ _REPORT_PERIOD_S = 0.012
 _CONNECT_LIMIT_S = 120.0
 _LAST_STOP_S = 3.0
 _LAST_WORDS_S = 0.5
-_PRIORITY = 5
-"""Of real time, the low end: above every ordinary process, below what the kernel itself needs."""
 _NICENESS = -10
 
 Task = Generator[None, None, bool | ArmCheck | None]
@@ -254,6 +252,7 @@ class Worker:
     def _connect(self, order: Connect) -> None:
         """Open everything, in the one order that works; nothing moves."""
         signal.setitimer(signal.ITIMER_REAL, _CONNECT_LIMIT_S)
+        _take_precedence(order.robot.real_time_priority)
         dashboard = Dashboard(order.robot)
         identity = dashboard.identity(order.robot.model)
         receiver = Receiver(order.robot)
@@ -270,7 +269,6 @@ class Worker:
             link.describe_tool(order.tcp, order.payload_kg, order.payload_cog_m)
             link.open_gate()
             link.guard()
-            _take_precedence()
             self._link, self._robot, self._dashboard = link, order, dashboard
             self._report(link)
         self._send(Done(number=order.number, identity=identity))
@@ -308,15 +306,14 @@ class Worker:
             self._daemon.sendall(self._unsent)
 
 
-def _take_precedence() -> None:
-    """Let the loop come before all other work on this computer, as far as that is granted.
+def _take_precedence(priority: int) -> None:
+    """Come before all other work on this computer, as far as that is granted.
 
-    The controller stops the arm after a tenth of a second of silence. Niceness alone does not keep
-    that: among busy threads of a recogniser and a browser, waits of 0.4 s were seen on two cores.
-    Only the loop's own thread: the library's poll so often that they would take a core from others.
+    The library's threads, which are started later, inherit it: the loop waits for them at times.
     """
-    with suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(_PRIORITY))
+    if priority:
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(priority))
 
 
 def main() -> None:

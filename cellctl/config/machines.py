@@ -71,6 +71,10 @@ class RobotSection(Section):
     """The same of what is met too early."""
     following_s: Annotated[float, Field(ge=0.0, le=0.2)] = 0.016
     """How far behind such an arm may be while it moves, as a time at its speed, beyond that."""
+    real_time_priority: Annotated[int, Field(ge=0, le=5)] = 0
+    """Priority of the arm process among what runs in real time; 0: an ordinary process, with
+    niceness -10. Where a browser and a recogniser share two cores with it, that is not always
+    enough for the watchdog; real time is, and costs a sixth of a core more."""
     watchdog_hz: Annotated[float, Field(ge=5.0, le=50.0)] = 10.0
     """The controller stops the arm when it hears nothing for one period of this."""
     host_silence_s: Annotated[float, Field(ge=0.2, le=5.0)] = 1.0
