@@ -129,6 +129,7 @@ _SENTENCES: dict[str, tuple[str, ...]] = {
     "help": ("help", "help me"),
 }
 _BY_SENTENCE = {sentence: name for name, group in _SENTENCES.items() for sentence in group}
+_NO_STOP = re.compile(r"\b(?:don't|not|never) (?:stop|halt|freeze|pause|wait)\b")
 _AGREES = re.compile(
     r"\b(?:yes|yeah|yep|yup|ok|okay|sure|of course|correct|confirm(?:ed)?|affirmative|go|do it|"
     r"do that|please do|build|start|begin|make it so|take it|"
@@ -236,7 +237,7 @@ def is_praise(text: str) -> bool:
 
 def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str]) -> str | None:
     """The command of which a sentence says several ways: "cancel please i changed my mind"."""
-    if len(words) > _MOST_WORDS_IN_PIECES:
+    if len(words) > _MOST_WORDS_IN_PIECES or _NO_STOP.search(" ".join(words)):
         return None
     # What the first so many words are; None where they are not all commands and polite words.
     found: list[frozenset[str] | None] = [frozenset()]

@@ -108,7 +108,11 @@ def test_a_job_can_be_built_again(terminal: Terminal, tmp_path: Path) -> None:
     terminal.type("history", "stool", "--save-plan", str(again), "--save-mesh", str(mesh))
     assert load_plan(again) == plan
     replanned = make_plan(str(again), CONFIG)
-    assert (replanned.plan_id, replanned.steps) == (plan.plan_id, plan.steps)
+    assert replanned.plan_id == plan.plan_id
+    for step, before in zip(replanned.steps, plan.steps, strict=True):
+        # The order is judged anew, and what was proven in its mirror image anew as well.
+        assert step.margin == pytest.approx(before.margin, rel=0.05)
+        assert step == before.model_copy(update={"margin": step.margin})
     found = load_mesh(mesh)
     assert found.vertices.max(axis=0) == pytest.approx([0.3, 0.2, 0.1])
     glb = tmp_path / "again.glb"
