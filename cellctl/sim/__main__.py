@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import structlog
@@ -16,6 +18,9 @@ from cellctl.errors import CellctlError, ConfigError, ExitStatus
 from cellctl.sim.process import run_cell
 
 STANDARD_INPUT = "-"
+_NICENESS = -5
+"""The robot and the boards that this stands for have computers of their own, which no browser and
+no planner holds up; so it goes before those where it may. The arm's process goes first."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -30,6 +35,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--speed", type=float, help="cell seconds per wall second")
     options = parser.parse_args(arguments)
     logs.configure()
+    with suppress(PermissionError):
+        os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
     from_stdin = options.config == STANDARD_INPUT
     try:
         config = _read_stdin() if from_stdin else load_config(Path(options.config))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from cellctl.assembling.frames import Frames
 from cellctl.assembly import Assembly, Role
 from cellctl.cli.daemon_process import DaemonProcess, running_daemon, wait_idle
 from cellctl.client import CellClient, NoDaemonError
@@ -35,6 +37,8 @@ CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
 PATIENCE_S = 90.0
 """How long a test waits for anything (wall time); machines can be slow."""
 _POLL_S = 0.05
+_OFF_M = 0.1
+_DEVICES = {"arm", "conveyor", "gripper"}
 
 
 @dataclass
@@ -75,14 +79,27 @@ class RunningCell:
             self.listen()
 
     def listen(self) -> None:
-        """Take in the next status message, or wait a little for one."""
+        """Take in status messages until one tells of more than the devices, or for a moment."""
+        until_s = time.monotonic() + _POLL_S
         for message in self.client.messages(_POLL_S):
             self.seen.append(message)
-            return
+            if message.topic not in _DEVICES or time.monotonic() >= until_s:
+                return
 
     def wait_state(self, *states: str) -> Snapshot:
         """Wait until the machine is in one of these states."""
         return self.wait(f"state {states}", lambda snapshot: snapshot.state.state in states)
+
+    def wait_held(self) -> Snapshot:
+        """Wait until the arm is so far from the pick station that its latch has been proven."""
+        station = Frames(self.config).pick_tcp()[:2, 3]
+        return self.wait(
+            "an arm that has carried a part off",
+            lambda now: (
+                now.state.state == "assembling_placing"
+                and math.dist(now.arm.tcp_pose[:2], station) > _OFF_M
+            ),
+        )
 
     def wait_mid_place(self) -> Snapshot:
         """Wait until the arm is under way with a part."""
@@ -197,10 +214,18 @@ class RunningCell:
 def cell_config(**sections: dict[str, Any]) -> CellConfig:
     """The emulated cell's configuration with the confirmation waived, and sections changed."""
     base = load_config(CONFIG)
-    # A slow window keeps a busy machine from stopping the arm; what the watchdog does is proven
-    # with the arm process alone.
-    robot = {"watchdog_hz": 5.0, **sections.pop("robot", {})}
-    changed = {"policy": {"confirmation": "waived"}, "robot": robot, **sections}
+    # Slow windows keep a busy machine from stopping the arm, and from losing a board that had no
+    # time to answer; what the watchdog does is proven with the arm process alone.
+    slow: dict[str, dict[str, Any]] = {
+        "robot": {"watchdog_hz": 5.0},
+        "feeder": {"reply_timeout_s": 0.6},
+        "gripper": {"reply_timeout_s": 0.6},
+    }
+    changed: dict[str, dict[str, Any]] = {
+        "policy": {"confirmation": "waived"},
+        **{name: {**values, **sections.pop(name, {})} for name, values in slow.items()},
+        **sections,
+    }
     updates = {
         name: getattr(base, name).model_copy(update=values) for name, values in changed.items()
     }

@@ -284,7 +284,7 @@ def test_a_latch_that_ceases_to_confirm_on_the_way_does_not_count_a_part_as_plac
     idle: RunningCell,
 ) -> None:
     begin(idle, 2, 1, 1)
-    idle.wait_mid_place()
+    idle.wait_held()
     idle.world.inject("gripper_silent")
     expect_fault(idle, "gripper_silent")
     idle.world.clear("gripper_silent")

@@ -89,6 +89,7 @@ def test_the_letter_t(idle: RunningCell, tmp_path: Path) -> None:
     assert column == sorted(bar)[1]
 
 
+@pytest.mark.soak
 def test_a_table_with_one_leg(idle: RunningCell, tmp_path: Path) -> None:
     built = build(idle, "assemble me a table with one leg", tmp_path)
     assert legs(built) == 1

@@ -20,6 +20,7 @@ from playwright.sync_api import (
     ViewportSize,
     sync_playwright,
 )
+from playwright.sync_api import TimeoutError as PageTimeoutError
 
 from cellctl.cli.daemon_process import wait_idle
 from cellctl.cli.kiosk_process import KioskProcess, running_kiosk, with_own_page
@@ -96,9 +97,17 @@ class Visit:
 
     @contextmanager
     def open(self, path: str = "", size: Size = "kiosk", **options: Any) -> Iterator[OpenPage]:
-        """Open one page; see ``opened``."""
-        with opened(self.browser, self.kiosk.url, path, size, **options) as page:
-            yield page
+        """Open one page; see ``opened``. What the cell did is told where the page waits in vain."""
+        try:
+            with opened(self.browser, self.kiosk.url, path, size, **options) as page:
+                yield page
+        except PageTimeoutError as error:
+            now = self.cell.client.snapshot()
+            error.add_note(
+                f"state {now.state.state}, fault {now.fault}, job {now.job}\n"
+                f"{self.cell.daemon.log_tail(8000)}"
+            )
+            raise
 
 
 @contextmanager

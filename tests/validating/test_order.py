@@ -76,9 +76,9 @@ def different_solids(count: int, room: tuple[int, int, int]) -> Iterator[Cells]:
 
 
 @pytest.mark.timeout(600)
-def test_a_thousand_different_solids_are_drafted_so_that_the_judge_passes_them() -> None:
+def test_hundreds_of_different_solids_are_drafted_so_that_the_judge_passes_them() -> None:
     refusals: list[PlanError] = []
-    for cells in different_solids(1000, (3, 2, 3)):
+    for cells in different_solids(500, (3, 2, 3)):
         try:
             found = draft(cells, PHYSICS, GRIPPER, parts=40)
         except PlanError as refused:
@@ -86,7 +86,7 @@ def test_a_thousand_different_solids_are_drafted_so_that_the_judge_passes_them()
             continue
         assert found.cells == cells
         assert passes(found.order), sorted(cells)
-    assert len(refusals) < 100
+    assert len(refusals) < 50
     assert all(refusal.rule == "stability" and refusal.cells for refusal in refusals)
 
 

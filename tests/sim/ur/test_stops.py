@@ -82,7 +82,7 @@ def test_a_blocking_move_returns_false_in_a_protective_stop(robot: Clients) -> N
     # The path is exact, but leads the base joint beyond what it may turn.
     joints = robot.receive.getActualQ()
     assert not robot.control.moveJ([6.4, *joints[1:]], 1.0, 1.0)
-    assert robot.receive.isProtectiveStopped()
+    wait_until(robot.receive.isProtectiveStopped)
     unlock(robot)
     robot.dashboard.stop()
     restart(robot)
