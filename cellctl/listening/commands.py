@@ -10,6 +10,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from cellctl.listening.command_phrasing import phrased_command
+
 _SENTENCES: dict[str, tuple[str, ...]] = {
     "stop": (
         *("stop", "stop it", "stop that", "stop this", "stop everything", "stop moving"),
@@ -220,7 +222,7 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
         if len(set(words)) == 1:
             words = words[:1]  # "stop stop stop"
         for one in (sentence, " ".join(words)):
-            if (name := own.sentences.get(one) or _BY_SENTENCE.get(one)) is not None:
+            if (name := own.sentences.get(one) or _english(one)) is not None:
                 return name
     return (
         _with_more(said.split())
@@ -235,6 +237,10 @@ def is_praise(text: str) -> bool:
     return spoken_command(text) == "yes" and _AGREES.search(plain(text)) is None
 
 
+def _english(sentence: str) -> str | None:
+    return _BY_SENTENCE.get(sentence) or phrased_command(sentence)
+
+
 def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str]) -> str | None:
     """The command of which a sentence says several ways: "cancel please i changed my mind"."""
     if len(words) > _MOST_WORDS_IN_PIECES or _NO_STOP.search(" ".join(words)):
@@ -245,7 +251,7 @@ def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str])
         found.append(None)
         for start in range(end):
             before, piece = found[start], " ".join(words[start:end])
-            name = own.get(piece) or _BY_SENTENCE.get(piece)
+            name = own.get(piece) or _english(piece)
             if before is not None and (name or piece in polite | _THANKS):
                 found[end] = before | ({name} if name else frozenset())
                 break
@@ -264,10 +270,10 @@ def _with_more(words: list[str]) -> str | None:
     first = words[0]
     if first in _WARNING:
         rest = " ".join(itertools.dropwhile(_WARNING.__contains__, words))
-        name = _BY_SENTENCE.get(rest)
+        name = _english(rest)
         if name in ("stop", "pause"):
             return name
-    if first in _REFUSING and _BY_SENTENCE.get(" ".join(words[1:])) == "no":
+    if first in _REFUSING and _english(" ".join(words[1:])) == "no":
         return "no"
     if _BY_SENTENCE.get(" ".join(words[:2])) == "yes" and " ".join(words[2:]) in _GO:
         return "yes"

@@ -35,6 +35,10 @@ WANT = (
     r"could (?:really )?(?:use|do with)|demand|demands|"
     r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
 )
+_CRAFTS = (
+    "(?:carve|forge|weld|prototype|engineer|materiali[sz]e|conjure(?: up)?|3d print|mould|mold)"
+)
+"""Verbs of making that are rarer, and told from others by "a" after them."""
 _FAMILY = "|".join(sorted(LEXICON.families))
 _GET = r"(?:get|give to|give|bring|fetch|hand|lend|show|grant)"
 POLITE = (
@@ -54,7 +58,10 @@ WOULD_DO = (
 _STOCKED = (
     r"(?= an? (?:\w+ ){0,3}?(?:stool|chair|armchair|bench|sofa|desk|shelf|bookshelf|bookcase|"
     r"cabinet|"
-    r"cupboard|rack|dresser|wardrobe|throne|nightstand|(?:\w+ )(?:table|stand|bed)|footstool)\b)"
+    r"cupboard|rack|dresser|wardrobe|throne|nightstand|(?:\w+ )(?:table|stand|bed)|footstool)\b|"
+    r" (?<!sell )(?:any )?(?:stools|chairs|armchairs|benches|sofas|desks|tables|beds|shelves|"
+    r"bookcases|"
+    r"cupboards|ladders|boxes)\b(?: please)?$)"
 )
 """What a shop may be asked whether it has; a dog or a minute is not meant to be built."""
 _LEADS = re.compile(
@@ -135,7 +142,7 @@ _FRAMES = _frames(
     ("making", rf"(?:can|could|will|would) (?:it|this|that|this thing|he|she) (?:do|"
                rf"{MAKES})(?= an? )"),
     ("making", rf"you (?:please )?{MAKES}(?= (?:an?|one|the) )"),
-    ("having", rf"(?:do you (?:have|do|make|sell)|have you(?: got)?)(?: any(?:thing "
+    ("having", rf"(?:(?:do )?you (?:have|do|make|sell)|(?:have )?you(?: got)?|got)(?: any(?:thing "
                rf"like)?)?{_STOCKED}"),
     ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:see|try)(?= an? | the "
                r"(?:letter|number))"),
@@ -205,6 +212,15 @@ _FRAMES = _frames(
     ("having", r"(?:get|give to|give|bring|fetch|make it|grant) (?:me|us|him|her|them|my "
                r"\w+)(?: please)?"),
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
+    ("making", r"(?:write|draw|show|display|form|spell)(?: (?:me|us))?"
+               r"(?= (?:the|an?) (?:capital |big |small )?(?:letter|number|digit) \w+$)"),
+    ("making", rf"why (?:not|don't (?:you|we)|doesn't (?:it|he|she)) {MAKES}"),
+    ("having", r"why (?:not|don't (?:we|i))(?: (?:have|get|try|go for))?(?= an? )"),
+    ("having", r"(?:need|want|would like|would love|require|looking for|searching for)"
+               r"(?! to\b| you\b| it\b| that\b| this\b| me\b)"),
+    ("having", r"(?:draw|deliver|sell|offer|provide|supply|serve)(?: for)? (?:me|us)"
+               r"(?: with)?(?= an? )"),
+    ("making", rf"{_CRAFTS}(?: (?:me|us))?(?= an? )"),
     ("making", rf"{MAKES}"),
 )  # fmt: skip
 _QUESTION_FRAMES = re.compile(
@@ -223,6 +239,9 @@ _NICE_TO_HAVE = re.compile(
     rf"(?P<wish>(?:an?|some|two|three|any(?: old)?) .+?) (?:{WOULD_DO})(?: .+)?"
 )
 _KIND_OF = re.compile(r"^(?:some|an?|any) (?:kind|sort|type) of (?:an? )?(?!\w+ (?:thing|place)\b)")
+_SORT_OF_THING = re.compile(
+    r"^(?:some|an?) (?:kind|sort|type) of (?:an? )?(?P<noun>\w+) (?:thing|thingy|affair)$"
+)
 _THE = re.compile(r"^the (?!letter|number)")
 _LOOKS_LIKE = re.compile(r" looks? like$")
 _ANY = re.compile(r"^any(?: old)? ")
@@ -297,6 +316,9 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     if match := _AS_CAN_BE.fullmatch(text):
         article, _, thing = match["thing"].partition(" ")
         text = f"{article} {match['size']} {thing}"
+    vague = _SORT_OF_THING.match(text)
+    if vague and LEXICON.is_physical(vague["noun"]):
+        text = f"a {vague['noun']}"
     text = _KIND_OF.sub("a ", _LOOKS_LIKE.sub("", text))
     for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
         if match := inner.match(text):

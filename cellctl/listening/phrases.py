@@ -17,7 +17,8 @@ _CORRECTION = (
     r"wait|wait no|"
     r"(?:no )?(?:hang|hold) on|no sorry|sorry|i mean|i meant|no|nope|nah|or rather|or better|"
     r"rather|"
-    r"better|make (?:that|it)|actually|wait|on second thoughts?|correction)"
+    r"better|make (?:that|it)|actually|wait|on second thoughts?|correction|"
+    r"(?:no )?(?:scratch|strike|ignore|drop|cancel) (?:that|it)|i take (?:that|it) back)"
 )
 _REPAIR_MARK = rf"(?:{_HESITATION} )*{_CORRECTION}(?: (?:{_HESITATION}|{_CORRECTION}))*"
 _NUMBER_REPAIR = re.compile(rf"\b(\w+) (\w+) {_REPAIR_MARK} (\w+) (\w+)\b")
@@ -44,6 +45,8 @@ _TRAILING = frozenset(
 _GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
 _PAIRED = LEXICON.colours | LEXICON.comparatives
 _AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without", "that"})
+_BEFORE_OF = frozenset({"full", "fit", "suitable", "big", "large", "high", "tall", "small", "good",
+                        "similar", "ready", "made", "wide", "long", "strong"})  # fmt: skip
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
 """Words that only lead to a size, and go with it."""
 
@@ -119,7 +122,7 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
             and not set(kept[start:end]) & _GLYPHS
         ):
             break
-        if end > start and (is_participle(kept, end) or kept[end : end + 2] == ["full", "of"]):
+        if end > start and (is_participle(kept, end) or _follows_noun(kept, end)):
             break
         end += 1
     core = kept[start:end]
@@ -139,6 +142,21 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
         rest=rest,
         either=either,
     )
+
+
+def _follows_noun(words: Sequence[str], index: int) -> bool:
+    """Whether what follows a noun tells more of it: ``a box full of``, ``a bench long enough``,
+    ``a throne fit for``; or does something with it: ``a desk make it``."""
+    word, after = words[index], words[index + 1 : index + 2]
+    entry = look_up(word)
+    if entry is None or not after or word in LEXICON.physical:
+        return False
+    if after[0] in ("it", "them"):
+        return "v" in entry.parts
+    noun = singular(words[index - 1])
+    if "a" not in entry.parts or not judge((noun,), noun).physical:
+        return False
+    return after[0] == "enough" or (word in _BEFORE_OF and after[0] in ("of", "for", "to", "as"))
 
 
 def _describes(word: str) -> bool:
@@ -221,6 +239,8 @@ def _head(core: list[str], rest: Sequence[str]) -> tuple[str, list[str]]:
             (i for i, word in enumerate(after) if word in stops or (i and is_participle(after, i))),
             len(after),
         )
+        if after[:1] == ["the"] and after[stop : stop + 1] == ["of"] and len(after) > stop + 1:
+            stop += 2  # "a replica of the tower of pisa"
         inner = after[: acts_at(after[:stop]) or stop]
         if inner:
             noun = singular(inner[-1])
@@ -237,9 +257,16 @@ def _with(rest: Sequence[str]) -> list[str]:
     stops = (LEXICON.enders | LEXICON.finite | {"make"}) - {"with", "without", "and", "no", "plus"}
     end = next((i for i, word in enumerate(rest) if i and word in stops), len(rest))
     kept = list(rest[:end])
+    if rest[end : end + 1] and rest[end] in ("it", "them") and _verb(kept[-1]):
+        kept.pop()  # "and paint it green"
     while kept and kept[-1] in ("and", "plus", "with", "having"):
         kept.pop()
     return kept
+
+
+def _verb(word: str) -> bool:
+    entry = look_up(word)
+    return entry is not None and "v" in entry.parts
 
 
 def _others(tail: list[str], rest: Sequence[str]) -> tuple[tuple[str, ...], int, list[str], bool]:

@@ -38,6 +38,11 @@ _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
+_HUMMING = re.compile(r"u+h+m*|u+m+|e+r+m+|e+h+m+|a+h+m+|h+m{2,}|m+h+m+|u+r+m+")
+"""However a recogniser spells that somebody thinks."""
+_SLURRED = {"lemme": "let me", "gonna": "going to", "gotta": "have to", "d'you": "do you",
+            "dya": "do you", "wouldja": "would you", "couldja": "could you", "whatcha": "what you",
+            "y'all": "you", "'em": "them", "pls": "please", "plz": "please"}  # fmt: skip
 _STUTTER = re.compile(r"\b((?!\w+ by\b|by\b)[a-z']+(?: (?!by\b)[a-z']+){1,2})(?: \1\b)+")
 """Two or three words said again: ``I want, I want a ship``; no "twenty by twenty by twenty"."""
 _WANNA = re.compile(r"\bwanna (\w+)")
@@ -134,6 +139,7 @@ def tokens(text: str) -> list[str]:
     plain = text.lower().replace("’", "'").replace("½", " half")  # noqa: RUF001
     plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
     words = _TOKEN.findall(_SUFFIXED_FIGURE.sub(r"\1 \2", plain))
+    words = ["um" if _HUMMING.fullmatch(word) else _SLURRED.get(word, word) for word in words]
     once = [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
     return _WANNA.sub(_wants, _STUTTER.sub(r"\1", " ".join(once))).split()
 

@@ -108,11 +108,6 @@ _REWRITES = tuple(
         ),
         (rf"{_IT} (?:wants|needs|ought|has) to be (?P<rest>.+)", "make {it} {rest}"),
         (
-            r"(?:no )*(?:not|i don't want|i didn't (?:want|say|mean)) (?:the|an?|that) \w+ "
-            r"(?:but |i (?:said|meant|wanted|want) |rather )?(?P<rest>an? .+)",
-            "make it {rest}",
-        ),
-        (
             r"(?:(?:that's|it's|that is|it is|that looks|it looks|looks) )?(?:quite |very |"
             r"really )?"
             r"(?:nice|good|great|lovely|fine|okay|ok|pretty|cool|perfect|right|close)"
@@ -221,7 +216,9 @@ _REWRITES = tuple(
         (r"scale (?:it|that|this) down(?P<rest>.*)", "shrink it{rest}"),
         (r"(?P<rest>.+) than (?:that|this|it is|it was|before|now)", "{rest}"),
         (
-            r"(?:make (?:it|that|this) )?as (?P<rest>\w+) as (?:possible|you can|it gets|it goes)",
+            r"(?:make (?:it|that|this) )?as (?P<rest>\w+) as (?:possible|you can|it gets|it goes|"
+            r"me|you|"
+            r"him|her|(?:an?|my|your|the) \w+)",
             "make it more {rest}",
         ),
         (
@@ -230,10 +227,28 @@ _REWRITES = tuple(
         ),
         (r"(?P<part>\w+) (?P<rest>(?:a bit |a little |much )?\w+er)", "make the {part} {rest}"),
         (r"(?:give it|with) (?P<rest>(?:an? )?(?:bit |little |much )?\w+er \w+)", "{rest}"),
-        (r"(?:make|build) (?P<rest>\w+) of (?:them|these|those|it)", "make that {rest}"),
+        (
+            r"(?:make|build|give me|give us|i'll take|we'll take|i'd like|let's have|let me have) "
+            r"(?P<rest>\w+) of (?:them|these|those|it|that)",
+            "make that {rest}",
+        ),
+        (
+            rf"(?:instead of|rather than) {_NUMBER} (?P<part>\w+) .*?(?P<rest>{_NUMBER})",
+            "with {rest} {part}",
+        ),
+        (
+            r"(?:drop|cut|bring down|lessen|decrease|lower|take down) "
+            r"(?:the|its) (?P<part>height|width|depth|length|size)(?P<rest>.*)",
+            "reduce the {part}{rest}",
+        ),
+        (
+            r"(?:increase|up|boost|bring up|grow|raise) "
+            r"(?:the|its) (?P<part>height|width|depth|length|size)(?P<rest>.*)",
+            "enlarge the {part}{rest}",
+        ),
         (r"i (?:want|need) (?P<rest>\w+) of (?:them|these|those)", "make that {rest}"),
         (
-            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be|not an? \w+(?: but)?) "
+            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be) "
             r"(?P<rest>an? .+)",
             "make it {rest}",
         ),

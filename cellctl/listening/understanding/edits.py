@@ -74,6 +74,7 @@ _COLOUR = re.compile(
 _SAME = re.compile(
     r"(?:(?:make |do |build )?(?:exactly )?(?:the )?same(?: thing| one| again)*|that one|this "
     r"one|that(?= but\b)|"
+    r"(?:exactly |just |much )?like (?:that|this|it|before)(?: one)?(?= (?:but|only|just)\b)|"
     r"this(?= but\b)|it(?= but\b)|another(?: one)?(?= but\b)|again(?= but\b))"
     r"(?: but| only| just)? (?P<rest>(?!to you).+)"
 )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from cellctl.assembly import Attribute, Axis
+from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.understanding.interpreter import Setting
 from cellctl.listening.understanding.talk import talk
 
@@ -79,8 +80,8 @@ def object_for(words: Sequence[str]) -> str:
     Empty where several would do, or none comes to mind.
     """
     purpose = _PURPOSE.fullmatch(" ".join(words))
-    if purpose is None:
-        return ""
+    if purpose is None or LEXICON.is_physical(singular(words[-2])) is False:
+        return ""  # "something to keep my hopes in"
     objects = [each.split(" ", 1)[1] for each in re.split(r", | or ", _meant(words)) if each]
     if purpose["where"] in ("in", "into"):
         objects = [each for each in objects if each in _HOLLOW]

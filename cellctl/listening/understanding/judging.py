@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.words import Word, look_up
 
 _NOTHING = Word(0.0, "-", "", proper=False)
@@ -43,6 +44,8 @@ def judge(core: Sequence[str], head: str) -> Judgement:  # noqa: PLR0911 - the f
             continue
         compound = " ".join([*core[-size:-1], head])
         found = look_up(compound) or look_up(" ".join(core[-size:]))
+        if found is not None and found.proper and LEXICON.is_physical(head):
+            break  # a "trojan horse" is a name for more than a horse, and a horse
         if found is not None and found.noun:
             return _by_table(compound, found.physical, found.kind, found.class_name)
     if head == "unit" and len(core) > 1 and core[-2] in _OF_UNITS:
@@ -87,7 +90,10 @@ def is_participle(words: Sequence[str], index: int) -> bool:
         return True
     if word in ("shaped", "made", "built", "carved", "filled", "covered", "dressed"):
         return not last and words[index + 1] in ("like", "of", "from", "out", "as", "with", "in")
-    follows = last or words[index + 1] in LEXICON.enders | LEXICON.determiners
+    follows = last or (
+        words[index + 1] in LEXICON.enders | LEXICON.determiners
+        or read_number(words, index + 1) is not None
+    )
     if word.endswith("ing") and len(word) > 5:
         noun = entry is not None and entry.parts[:1] == "n" and entry.physical > _THING
         return follows and not noun
@@ -105,6 +111,8 @@ def acts_at(core: Sequence[str]) -> int | None:
         return None
     for index in range(1, len(core) - 1):
         before = look_up(singular(core[index - 1]))
+        if core[index - 1] in LEXICON.determiners:
+            continue  # "the leaning tower"
         if core[index].endswith("ing") and (before is None or before.kind in "ap"):
             return index
     return None

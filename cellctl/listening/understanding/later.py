@@ -27,6 +27,7 @@ from cellctl.listening.understanding.asides import without_asides
 from cellctl.listening.understanding.edits import Editing, read_edits
 from cellctl.listening.understanding.judging import judge
 from cellctl.listening.understanding.mentioned import mentioned
+from cellctl.listening.understanding.recasting import recast
 from cellctl.listening.understanding.words import look_up
 
 _ONE = r"(?=(?:an?|some|another|two|three|four|five|the (?:letter|number)) )"
@@ -52,7 +53,8 @@ _GOVERNS = frozenset(
 """After these a clause tells or depends, and asks for nothing."""
 _PRAISED = re.compile(rf"\b(?:an?|some) (?:\w+ ){{1,3}}(?:{WOULD_DO})\b")
 _THEREFORE = re.compile(
-    r"\b(?:so|then|but|therefore) (?:maybe |perhaps |just |i guess )*(?=(?:an?|the) )"
+    r"\b(?:so|then|but|therefore|ah|aha|yes|yeah|i know|i've got it|i mean) (?:maybe |perhaps |"
+    r"just |i guess )*(?=(?:an?|the) )"
 )
 _ONE_OF_THEM = re.compile(
     r"(?P<ask>.+? )(?:one|some)(?: (?:of (?:those|these|them)|like that|too))?"
@@ -110,6 +112,8 @@ def readings(words: Sequence[str], clauses: Sequence[Sequence[str]]) -> Iterator
         yield from _anchored(bare, pattern)
     if (named := _named_before(bare)) is not None:
         yield named
+    for wish in recast(bare):
+        yield Reading(tuple(wish.split()))
     if (wished := mentioned(bare)) is not None:
         yield Reading(("i", "want", *without_asides(" ".join(wished)).split()))
 

@@ -60,7 +60,7 @@ def mentioned(text: str) -> tuple[str, ...] | None:
     Args:
         text: lower-case words, without what is said around a wish.
     """
-    if _words().wishes.search(text) is None or _words().against.search(text) is not None:
+    if _words().wishes.search(text) is None or speaks_against(text):
         return None
     words = text.split()
     for index in reversed(range(1, len(words) - 1)):
@@ -68,6 +68,11 @@ def mentioned(text: str) -> tuple[str, ...] | None:
         if words[index] in _ARTICLES and not of_a_part and _may_govern(words[:index]):
             return tuple(words[index:])
     return None
+
+
+def speaks_against(text: str) -> bool:
+    """Whether a sentence tells of what was, of elsewhere or of doing something else."""
+    return _words().against.search(text) is not None
 
 
 def _may_govern(before: Sequence[str]) -> bool:

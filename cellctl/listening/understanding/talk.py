@@ -63,6 +63,10 @@ def talk() -> Talk:
     )
 
 
+FURNISHING = frozenset(
+    {"stand", "rack", "holder", "footstool", "wardrobe", "dresser", "nightstand"}
+)
+"""Furniture that no family of designs is called after."""
 _EDIBLE = frozenset("ds")
 _PEOPLE = frozenset({"one", "two", "three", "four", "five", "six", "eight", "1", "2", "4", "6"})
 _AFTER_PEOPLE = frozenset({"please", "by", "at", "in", "on", "near", "outside", "inside"})
@@ -95,7 +99,10 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
     if around & words.times or around & words.places:
         return "it names a time or a place, as errands do"
     # "A step ladder for the library" is no errand.
-    for_a_room = not asked and after[:2] == ["for", "the"] and LEXICON.is_physical(head)
+    for_a_room = after[:1] == ["for"] and (
+        (not asked and after[1:2] == ["the"] and LEXICON.is_physical(head))
+        or (set(after[1:2]) & (_EXISTING | {"a"}) and head in LEXICON.families | FURNISHING)
+    )
     named = around | {singular(word) for word in around}
     if named & words.elsewhere and not for_a_room:
         return "it speaks of services"

@@ -10,16 +10,15 @@ from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.phrases import NounPhrase
 from cellctl.listening.understanding.edit_words import COMPARATIVES
 from cellctl.listening.understanding.judging import Judgement, commands, judge, tells
-from cellctl.listening.understanding.talk import served_instead, talk
+from cellctl.listening.understanding.talk import FURNISHING, served_instead, talk
 from cellctl.listening.understanding.words import look_up
 
 _MASS = frozenset("dsbpgxktc")
 """Classes of nouns that without an article are no objects: "make dinner", "make friends"."""
+_COUNTED = frozenset("afh")
+"""Classes of nouns of which one has one."""
 _SURE = 0.66
 """Certainty of the table that a phrase needs that has neither an article nor a verb."""
-_FURNISHING = frozenset(
-    {"stand", "rack", "holder", "footstool", "wardrobe", "dresser", "nightstand"}
-)
 _SOMEBODYS = frozenset({"my", "our", "his", "her", "their", "your", "its"})
 _SUBJECTS = frozenset({"that", "which", "who", "whose", "where", "it", "i", "you", "we", "they",
                        "he", "she", "so", "because", "and"})  # fmt: skip
@@ -86,6 +85,10 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         return no(judgement.why, abstract=True)
     if head in talk().written and (frame.kind != "bare" or not phrase.determiner):
         return no(f"a {head} is written or drawn, not built")
+    if phrase.rest[:1] in (("between",), ("among",)) and _is_idea(phrase.rest[-1]):
+        return no("what is between ideas is none of the things one builds")
+    if phrase.rest[:1] == ("and",) and len(phrase.rest) == 2 and _is_idea(phrase.rest[1]):
+        return no("with an idea it makes one, too")  # "a bed and breakfast"
     if frame.kind == "having" and "where" in phrase.rest:
         return no("it asks where something is")
     if head == "machine" and phrase.rest[:1] == ("like",):
@@ -101,7 +104,7 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         if frame.kind == "having" and len(phrase.core) > 1 and phrase.core[0] in _LENT:
             return no("it is a favour")
         new = frame.kind == "having" and phrase.core[0] == "new"
-        if new and head not in LEXICON.families | _FURNISHING:
+        if new and head not in LEXICON.families | FURNISHING:
             return no(f"a new {head} is bought, not built")
     elif why := _idiom(phrase, judgement):
         return no(why)
@@ -172,7 +175,9 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
             return f"{head!r} has no article, and is no object without"
         return "" if plural or known or judgement.confidence >= _SURE else judgement.why
     if frame.kind == "having":
-        return "" if known and plural else f"{head!r} has no article"
+        # "I want train" is how children and many a language put it; who wants money has none.
+        counted = judgement.kind in _COUNTED and not phrase.rest and head not in talk().served
+        return "" if known and (plural or counted) else f"{head!r} has no article"
     if commands(phrase.core) and (len(phrase.core) > 1 or phrase.rest):
         return "it is a command for something else"
     plain = LEXICON.comparatives | {
@@ -192,6 +197,12 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
     if known or (judgement.kind in "afl" and judgement.confidence >= _SURE and entry is not None):
         return ""
     return f"{head!r} alone is not surely an object"
+
+
+def _is_idea(word: str) -> bool:
+    """Whether a noun names no thing."""
+    noun = singular(word)
+    return noun not in LEXICON.vague and judge((noun,), noun).physical is False
 
 
 def _compares(word: str) -> bool:

@@ -1,0 +1,168 @@
+"""Sentences that put a wish in another order, put into the order in which wishes are read.
+
+The order tells who wants what, not the words: ``with two drawers, a desk`` has its features in
+front, ``a bench would fit nicely`` has the thing for its subject, ``i take a stool`` and ``i search
+a shelf`` have a verb of choosing or seeking where English has "want".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from cellctl.listening.frames import MAKES
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.understanding.judging import judge
+from cellctl.listening.understanding.mentioned import speaks_against
+from cellctl.listening.understanding.talk import FURNISHING
+from cellctl.listening.understanding.words import look_up
+
+_ARTICLES = frozenset({"a", "an", "one", "some", "two", "three", "four"})
+_FRONTED = frozenset({"with", "without", "in", "for", "about", "having"})
+_PRONOUNS = frozenset({"i", "we", "you", "he", "she", "they", "it", "there", "this", "that"})
+_MOST_IN_FRONT = 8
+_AS_SUBJECT = re.compile(
+    r"(?P<thing>(?:an?|some|two|three|four) (?:[\w']+ ){1,5}?)(?:"
+    r"(?:would|could|might|'d|should) (?:(?:really|just|also|probably|certainly|surely|perhaps) )*"
+    r"(?:be (?!an?\b|in\b|at\b)|fit|look|go\b|work|match|brighten|complete|finish|please|solve|"
+    r"save|"
+    r"cheer|serve|help|do\b|make (?:me|us|him|her|them|my|our|the|a (?:nice|good|great|lovely))|"
+    r"come in|suit)"
+    r"|(?:is|are) (?:what (?:i|we|he|she|they|my \w+)|(?:needed|wanted|required|missing|desired)|"
+    r"my (?:choice|wish|pick)|all (?:i|we))).*"
+)
+_NEEDED = re.compile(
+    r"(?:(?:it|there|here|what)(?:'s| is| would be)?|is)(?: \w+)? (?:needed|wanted|required|"
+    r"missing|needs|"
+    r"wants|lacks|lacking)(?: (?:here|now|is))? (?P<wish>(?:an?|some|two|three) .+)"
+)
+_BECOMES = re.compile(
+    r"(?:it|that|this|he|she|they)(?:'ll| will| should| must| has to| needs to| ought to| shall|"
+    r" is to| is going to| could)?(?: \w+){0,6}? (?:be|become|being) (?P<wish>(?:an?|the "
+    r"(?:letter|number)) .+)"
+)
+_CHOOSES = re.compile(
+    r"(?:i|we|me|my \w+|for me|(?:the|this|my|our) \w+ \w+)(?: (?:will|would|'d|'ll|do|gladly|"
+    r"now|also|please|then|just|really|keeps?|is|am|are|'m))*"
+    r" (?P<verb>\w+)(?: (?:on|for|of|to|gladly|please|now|me|us|out|that it is|myself))* "
+    r"(?P<wish>(?:an?|one|two|three) .+)"
+)
+_CHOOSING = frozenset(
+    {"take", "choose", "pick", "select", "order", "seek", "search", "request", "vote", "opt",
+     "become", "get", "go", "wish", "ask", "asking", "beg", "begging", "long", "dream", "imagine",
+     "require", "demand", "command", "desire", "hope", "need", "want", "like", "love", "prefer",
+     "says", "say", "suggest", "propose", "settle", "plump", "await", "expect", "crave", "call",
+     "insists", "insist", "have", "enjoy", "asks", "wants", "needs", "takes", "chooses", "wishes",
+     "picks", "votes", "shouts", "shouting", "calling", "crying", "suggests", "demands", "begs"}
+)  # fmt: skip
+"""What a speaker does to a thing that is to be; in the past it was."""
+_WEAK = frozenset({"take", "get", "like", "love", "have", "call", "becomes", "become", "go", "say",
+                   "says", "see", "search", "order", "takes"})  # fmt: skip
+"""Of these, what is also said of things that are there: only furniture is meant to be built."""
+_JOY = re.compile(
+    r"(?:i|we|he|she|they|my \w+)(?: would|'d|'ll| will) (?:be|make do|do|go) "
+    r"(?:[\w']+ ){0,4}?with (?P<wish>an? .+)"
+)
+_ONE = re.compile(
+    r"(?P<before>.+?) (?P<ask>(?:(?:can|could|would|will) you |please |so |then )*"
+    rf"(?:{MAKES}|(?:i|we) (?:want|need|would like|'d like)|(?:can|could|may) (?:i|we) (?:have|"
+    rf"get)))"
+    r"(?: me| us)? (?:a |an |another )?(?P<new>(?:\w+ )?)(?:one|some|it|that)(?: for .+| please)?"
+)
+_DECIDED = re.compile(
+    r".*\b(?:settled|decided|agreed|voted|opted|settling|deciding|voting|set|fixed|hooked|dead set|"
+    r"keen|asking|asked|begging|pining|longing|crying)(?: myself| ourselves)? (?:on|for|upon) "
+    r"(?P<wish>an? .+)"
+)
+_SUGGESTED = re.compile(
+    r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<thing>an? (?:\w+ ){1,4}?)"
+    r"(?:be|look|fit|help|work|do|suit|go|make)\b.*"
+)
+_NOT_THIS = re.compile(
+    r"(?:no )*(?:not|i don't want|i didn't (?:want|say|mean)) (?:the|an?|that) \w+ "
+    r"(?:(?:but|rather|instead|i (?:said|meant|wanted|want)) )*(?P<wish>an? .+)"
+)
+_LACKS = re.compile(
+    r"\b(?:no|not|don't|doesn't|haven't|without|lack|lost|broke|broken|need|needs|want|wants|like|"
+    r"likes|love|loves|never|dream|thing as|called|heard of)\b"
+)
+
+
+def recast(text: str) -> Iterator[str]:
+    """The wish that a sentence comes to, as "i want ..."; none where it wishes for nothing.
+
+    Args:
+        text: lower-case words, without what is said around a wish.
+    """
+    if (one := _named_earlier(text)) is not None:
+        yield f"make {one}"
+    for pattern in (_NOT_THIS, _NEEDED):
+        if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
+            yield f"i want {match['wish']}"
+    if speaks_against(text):
+        return
+    yield from (f"i want {wish}" for wish in _fronted(text.split()))
+    if (match := _AS_SUBJECT.fullmatch(text)) is not None and _is_thing(match["thing"]):
+        yield f"i want {match['thing'].strip()}"
+    if (match := _SUGGESTED.fullmatch(text)) is not None and _is_thing(match["thing"]):
+        yield f"i want {match['thing'].strip()}"
+    for pattern in (_BECOMES, _JOY, _DECIDED):
+        if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
+            yield f"i want {match['wish']}"
+    match = _CHOOSES.fullmatch(text)
+    if match is not None and match["verb"] in _CHOOSING:
+        head = _head_of(match["wish"])
+        if match["verb"] not in _WEAK or head in LEXICON.families | FURNISHING:
+            yield f"i want {match['wish']}"
+
+
+def _fronted(words: Sequence[str]) -> Iterator[str]:
+    """``with two drawers a desk`` is a desk with two drawers."""
+    if not words or words[0] not in _FRONTED:
+        return
+    for index in range(2, min(len(words) - 1, _MOST_IN_FRONT)):
+        front, wish = words[:index], words[index:]
+        if wish[0] not in ("a", "an") or _tells(front) or _tells(wish[:2]):
+            continue
+        if _is_thing(" ".join(wish)):
+            yield " ".join([*wish, *front])
+
+
+def _tells(words: Sequence[str]) -> bool:
+    return bool(set(words) & (_PRONOUNS | LEXICON.finite))
+
+
+def _head_of(wish: str) -> str:
+    words = wish.split()
+    stops = LEXICON.enders | LEXICON.finite
+    end = next((i for i, word in enumerate(words) if i and word in stops), len(words))
+    return singular(words[end - 1])
+
+
+def _is_thing(wish: str) -> bool:
+    """Whether its first noun phrase names a thing."""
+    words = [word for word in wish.split() if word not in _ARTICLES]
+    head = _head_of(wish)
+    core = words[: words.index(head) + 1] if head in words else [head]
+    return bool(words) and judge(core, head).physical is True
+
+
+def _named_earlier(text: str) -> str | None:
+    """``i don't have a desk so please make one``: a desk; ``my stool broke, build a new one``."""
+    match = _ONE.fullmatch(text)
+    if match is None or not _LACKS.search(match["before"]):
+        return None
+    words = match["before"].split()
+    for index in reversed(range(len(words))):
+        noun = singular(words[index])
+        entry = look_up(noun)
+        if words[index] in LEXICON.enders or not judge((noun,), noun).physical:
+            continue
+        if LEXICON.is_physical(noun) is not True and (entry is None or entry.parts[:1] != "n"):
+            continue
+        before = words[index - 1] if index else ""
+        kind = look_up(before)
+        named = f"{before} {noun}" if kind and kind.parts[:1] == "n" and before not in (
+            *LEXICON.determiners, *LEXICON.enders, "no", "any") else noun  # fmt: skip
+        return f"a {match['new']}{named}"
+    return None

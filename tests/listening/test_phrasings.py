@@ -1,0 +1,96 @@
+"""Ways to put a wish or a command that no list holds: by the order and the kinds of words alone."""
+
+from __future__ import annotations
+
+import pytest
+
+from cellctl.assembly import Intent
+from cellctl.listening.commands import spoken_command
+from cellctl.listening.understanding.embedded import EmbeddedInterpreter
+from cellctl.listening.understanding.interpreter import DEFAULT_SETTING
+
+THINGS = ("bench", "windmill")
+
+
+@pytest.mark.parametrize("thing", THINGS)
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "without any paint please a {}",  # what it is like stands in front
+        "a {} would fit in that corner",  # it is the subject
+        "wouldn't a {} look splendid there",
+        "we lack a {} can you make one",  # it was named before
+        "there is needed a {}",  # it follows a passive
+        "my class has voted for a {}",  # it was decided on
+        "I'd be thrilled to bits with a {}",
+        "it should be tall and become a {}",
+        "not a wardrobe but a {}",
+        "a castle scratch that a {}",
+        "why don't you build a {}",
+        "need {}",  # no subject, no article
+        "urm I ehm want a {}",
+        "carve me a {}",
+    ],
+)
+def test_a_wish_in_any_order_is_one(sentence: str, thing: str) -> None:
+    request = EmbeddedInterpreter().interpret(sentence.format(thing), DEFAULT_SETTING)
+    assert request.intent is Intent.DESIGN
+    assert request.objects[0] == thing
+    assert request.phrase.split()[0] in (thing, "tall")
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "a {} would have cost us more yesterday",
+        "with my uncle I built a {}",
+        "they agreed on a {} last week",
+        "a {} between hope and despair",
+        "a {} and breakfast",
+        "I never liked a {}",
+        "something to keep my sorrow in",
+    ],
+)
+def test_the_same_order_may_tell_of_something(sentence: str) -> None:
+    for thing in THINGS:
+        request = EmbeddedInterpreter().interpret(sentence.format(thing), DEFAULT_SETTING)
+        assert request.intent is not Intent.DESIGN
+
+
+@pytest.mark.parametrize(
+    ("sentence", "phrase"),
+    [
+        ("a desk big enough for two of us", "desk"),
+        ("a crate fit for apples", "crate"),
+        ("make a stool with three legs and paint it red", "stool with three legs"),
+        ("build a desk. make it one metre wide", "desk"),
+        ("a model of the bridge of london", "model of the bridge of london"),
+    ],
+)
+def test_a_phrase_ends_where_something_else_is_said(sentence: str, phrase: str) -> None:
+    request = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING)
+    assert (request.intent, request.phrase) == (Intent.DESIGN, phrase)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "command"),
+    [
+        *(("quit moving", "stop"), ("switch off the robot", "stop"), ("just a sec", "pause")),
+        *(("carry on with the build", "resume"), ("call the whole thing off", "cancel")),
+        *(("begin again from scratch", "cancel"), ("let's build that one", "yes")),
+        *(("that looks just about right to me", "yes"), ("no, that is not what I said", "no")),
+        *(("I couldn't hear you", "repeat"), ("do the same thing once more", "again")),
+        *(("give me some other idea", "another"), ("can you help me out", "help")),
+    ],
+)
+def test_commands_vary_in_verb_object_and_haste(sentence: str, command: str) -> None:
+    assert spoken_command(sentence) == command
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["start the car", "drop the ball", "that's a good dog", "take that to grandma", "go to bed",
+     "shut the door", "keep on the path", "it's right over there", "a good one"],
+)  # fmt: skip
+def test_other_sentences_with_their_verbs_command_nothing(sentence: str) -> None:
+    assert spoken_command(sentence) is None
