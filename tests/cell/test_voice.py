@@ -43,6 +43,7 @@ def wait_saying(cell: RunningCell, text: str) -> VoiceData:
     return cell.wait(f"the words {text!r}", lambda now: text in now.voice.saying).voice
 
 
+@pytest.mark.soak
 def test_it_does_not_answer_itself_and_is_interrupted_while_it_speaks() -> None:
     # Every sentence that it hears would count.
     sections = hearing("open", SPEED, loudspeaker="spk")

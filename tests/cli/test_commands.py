@@ -155,15 +155,6 @@ def test_a_demonstration_of_what_cannot_be_built(tmp_path: Path) -> None:
 
 
 @pytest.mark.wire
-def test_a_demonstration_with_a_broken_recording(tmp_path: Path) -> None:
-    wav = tmp_path / "broken.wav"
-    wav.write_bytes(b"not sound")
-    status, report, said = demo("--wav", str(wav), config=changed_config(tmp_path))
-    assert (status, report["heard"], report["built"]) == (2, "", [])
-    assert "wav" in said.lower()
-
-
-@pytest.mark.wire
 def test_a_demonstration_that_runs_out_of_parts_ends_in_a_fault(tmp_path: Path) -> None:
     config = changed_config(
         tmp_path, feeder={"capacity_parts": 2}, policy={"refill_timeout_s": 10.0}

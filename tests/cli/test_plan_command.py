@@ -244,8 +244,9 @@ def test_the_robot_is_drawn_where_it_stands(base: tuple[float, float, float], si
     assert robot_side(SETTINGS.model_copy(update={"base": moved})) == side
 
 
-def test_shared_meshes_are_planned(test_data: Path) -> None:
-    for entry in json.loads((test_data / "meshes" / "manifest.json").read_text())[::3]:
+@pytest.mark.soak
+def test_every_shared_mesh_is_planned(test_data: Path) -> None:
+    for entry in json.loads((test_data / "meshes" / "manifest.json").read_text()):
         path = test_data / "meshes" / entry["file"]
         height_cm = entry.get("suggested_height_cm")
         height_m = None if height_cm is None else height_cm / 100.0

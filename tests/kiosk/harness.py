@@ -180,7 +180,7 @@ def _giving_way(folder: Path) -> Path:
     which it has one of its own, by the niceness in this file (sched(7))."""
     modest = "setpriv --bounding-set=-sys_nice --inh-caps=-sys_nice" if os.geteuid() == 0 else ""
     script = folder / "chromium"
-    last = "[ ! -w /proc/self/autogroup ] || echo 15 >/proc/self/autogroup"
+    last = "[ ! -w /proc/self/autogroup ] || echo 5 >/proc/self/autogroup"
     script.write_text(f'#!/bin/sh\n{last}\nexec {modest} {CHROMIUM} "$@"\n')
     script.chmod(0o755)
     return script

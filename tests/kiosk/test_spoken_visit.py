@@ -158,7 +158,7 @@ def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
         wait_for_ears(there.cell)
         there.cell.wait("a voice", lambda now: now.voice.state == "quiet")
         # A small screen: 3D without a graphics card is slow, and hearing must not wait for it.
-        with there.open(size="phone") as page:
+        with there.open(size="phone", reduced_motion="reduce") as page:
             yield Visitor(there, speakers, page, wakes=activation == "wake_word")
             assert page.problems == []
             assert page.elsewhere == []

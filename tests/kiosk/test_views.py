@@ -48,7 +48,7 @@ def assert_accessible(opened: OpenPage) -> None:
 
 
 def test_a_visitor_types_a_wish_sees_what_was_understood_and_says_no(idle: Visit) -> None:
-    with idle.open() as opened:
+    with idle.open(graphics=False) as opened:
         opened.phase("ready")
         assert_accessible(opened)
         opened.type("a stool thirty centimetres high")
@@ -68,7 +68,7 @@ def test_a_visitor_types_a_wish_sees_what_was_understood_and_says_no(idle: Visit
 
 
 def test_a_visitor_says_yes_and_sees_it_grow(idle: Visit) -> None:
-    with idle.open(size="phone") as opened:
+    with idle.open(size="phone", reduced_motion="reduce") as opened:
         opened.phase("ready")
         opened.type("the letter I")
         opened.phase("asking")
@@ -270,7 +270,7 @@ def test_foreign_names_and_sites_are_refused_by_the_server_itself(idle: Visit) -
 def test_a_page_lives_through_the_daemons_end_and_its_servers(running: Visit) -> None:
     """The last one, for it ends what the others use."""
     cell, config = running.cell, running.cell.config
-    with running.open() as it, tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+    with running.open(graphics=False) as it, tempfile.TemporaryDirectory(prefix="cellctl-") as name:
         folder = Path(name)
         it.phase("ready")
         it.type("the letter I")

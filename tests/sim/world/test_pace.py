@@ -26,7 +26,7 @@ def test_cell_time_is_wall_time_multiplied_by_the_rate(rate: float, steps: list[
         wall_s += step_s
         slices = catch_up(clock, wall_s)
         total_s += sum(slices)
-        assert all(0.0 < slice_s <= SLICE_WALL_S * rate for slice_s in slices)
+        assert all(0.0 < slice_s <= 1.5001 * SLICE_WALL_S * rate for slice_s in slices)
     assert clock.now_s == pytest.approx(total_s) == pytest.approx((wall_s - 100.0) * rate)
     assert clock.lost_s == 0.0
 
