@@ -48,7 +48,8 @@ _GRAMMAR = {
         r"what i (?:just )?said)|call (?:it|that|the whole thing) off|"
         r"(?:go )?back to the (?:beginning|"
         rf"start)|(?:start|begin) (?:all )?(?:over(?: again)?|again|anew|afresh)(?: {_BACK})?|"
-        rf"(?:start|begin) {_BACK}|restart|reset|exit|(?:i've|i have|i|we've|we) changed (?:my|"
+        rf"(?:start|begin) {_BACK}|go back|restart|reset|exit|(?:i've|i have|i|we've|"
+        rf"we) changed (?:my|"
         rf"our) "
         r"minds?|i (?:don't|do not) want (?:it|that|this)(?: one)? (?:anymore|any more|any longer|"
         r"after all)|i take (?:it|that) back"
@@ -86,7 +87,8 @@ _GRAMMAR = {
     ),
     "again": (
         rf"redo(?: it| that)?|{_MAKE} (?:it|that|this|the same)(?: one| thing)? (?:again|once more|"
-        r"one more time|over)|one more time|same again|(?:the )?same(?: one| thing)? again"
+        r"one more time|over)|one more time|once (?:again|more)|same again|(?:the )?same(?: one|"
+        r" thing)? again"
     ),
     "another": (
         r"show me more|(?:show|give) (?:me )?(?:another|a different|some other|other|more) "

@@ -242,6 +242,7 @@ _KIND_OF = re.compile(r"^(?:some|an?|any) (?:kind|sort|type) of (?:an? )?(?!\w+ 
 _SORT_OF_THING = re.compile(
     r"^(?:some|an?) (?:kind|sort|type) of (?:an? )?(?P<noun>\w+) (?:thing|thingy|affair)$"
 )
+_IN_3D = re.compile(r"\b(?:3|three) d (?=model|figure|object|shape|version|copy)")
 _THE = re.compile(r"^the (?!letter|number)")
 _LOOKS_LIKE = re.compile(r" looks? like$")
 _ANY = re.compile(r"^any(?: old)? ")
@@ -310,6 +311,7 @@ def find_frame(words: tuple[str, ...]) -> Frame:
             break
     if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
         kind, text = "having", _ANY.sub("a ", match["wish"])
+    text = _IN_3D.sub("", text)
     if match := _ONE_OF.match(text):
         *before, last = text[match.end() :].split() or [""]
         text = " ".join(["a", *before, singular(last) if "with" not in before else last])

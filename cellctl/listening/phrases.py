@@ -40,11 +40,14 @@ _RETRACTED = re.compile(
 """``I was going to say a car but actually, make it a truck``."""
 _TRAILING = frozenset(
     {"please", "instead", "now", "today", "then", "thanks", "again", "too", "quickly", "possible",
-     "first", "next", "soon", "immediately", "robot", "ok", "okay"}
+     "first", "next", "soon", "ever", "immediately", "robot", "ok", "okay"}
 )  # fmt: skip
+_COMPANY = frozenset({"me", "us", "you", "him", "her", "them"})
 _GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
 _PAIRED = LEXICON.colours | LEXICON.comparatives
 _AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without", "that"})
+_AFTER_NOUNS = (LEXICON.comparatives | LEXICON.colours | {"round", "square"}) - {"light"}
+"""What describes a noun from behind in many a language; a "street light" is a noun."""
 _BEFORE_OF = frozenset({"full", "fit", "suitable", "big", "large", "high", "tall", "small", "good",
                         "similar", "ready", "made", "wide", "long", "strong"})  # fmt: skip
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
@@ -149,6 +152,9 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     ``a throne fit for``; or does something with it: ``a desk make it``."""
     word, after = words[index], words[index + 1 : index + 2]
     entry = look_up(word)
+    if word in _AFTER_NOUNS and (not after or after[0] in LEXICON.enders or _counts(words, index)):
+        noun = singular(words[index - 1])
+        return judge((noun,), noun).physical is True  # "a table small"
     if entry is None or not after or word in LEXICON.physical:
         return False
     if after[0] in ("it", "them"):
@@ -157,6 +163,10 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     if "a" not in entry.parts or not judge((noun,), noun).physical:
         return False
     return after[0] == "enough" or (word in _BEFORE_OF and after[0] in ("of", "for", "to", "as"))
+
+
+def _counts(words: Sequence[str], index: int) -> bool:
+    return read_number(words, index + 1) is not None
 
 
 def _describes(word: str) -> bool:
@@ -254,6 +264,8 @@ def _with(rest: Sequence[str]) -> list[str]:
     """What follows the core: features ("with ...") stay, uses ("for ...", "to ...") go."""
     if rest[:1] not in (["with"], ["without"], ["and"], ["plus"], ["having"]):
         return []
+    if rest[1:2] and rest[1] in _COMPANY:
+        return []  # "a fort with me"
     stops = (LEXICON.enders | LEXICON.finite | {"make"}) - {"with", "without", "and", "no", "plus"}
     end = next((i for i, word in enumerate(rest) if i and word in stops), len(rest))
     kept = list(rest[:end])

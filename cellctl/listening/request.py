@@ -42,7 +42,8 @@ _HUMMING = re.compile(r"u+h+m*|u+m+|e+r+m+|e+h+m+|a+h+m+|h+m{2,}|m+h+m+|u+r+m+")
 """However a recogniser spells that somebody thinks."""
 _SLURRED = {"lemme": "let me", "gonna": "going to", "gotta": "have to", "d'you": "do you",
             "dya": "do you", "wouldja": "would you", "couldja": "could you", "whatcha": "what you",
-            "y'all": "you", "'em": "them", "pls": "please", "plz": "please"}  # fmt: skip
+            "y'all": "you", "'em": "them", "bout": "about",
+            "pls": "please", "plz": "please"}  # fmt: skip
 _STUTTER = re.compile(r"\b((?!\w+ by\b|by\b)[a-z']+(?: (?!by\b)[a-z']+){1,2})(?: \1\b)+")
 """Two or three words said again: ``I want, I want a ship``; no "twenty by twenty by twenty"."""
 _WANNA = re.compile(r"\bwanna (\w+)")

@@ -152,10 +152,19 @@ def _correct_openers(snapped: Snapped) -> None:
         noun = words[index + 2]
         last = index + 3 == len(words)
         meant = _FAMILY_SOUNDS.get(sound_of(noun)) if last and wrong else None
-        if noun in LEXICON.families or (last and noun in LEXICON.physical):
+        quality = (
+            words[index] in ("make", "want") and words[index + 1] == "it" and _may_describe(noun)
+        )
+        if noun in LEXICON.families or (last and noun in LEXICON.physical and not quality):
             snapped.replace(index + 1, index + 2, "a")
         elif meant is not None and (entry := look_up(noun)) is not None and "p" in entry.parts:
             snapped.replace(index + 1, index + 3, "a", meant)
+
+
+def _may_describe(word: str) -> bool:
+    """Whether "make it stable" may change a thing rather than ask for a stable."""
+    entry = look_up(word)
+    return entry is not None and "a" in entry.parts
 
 
 def _is_asked(words: list[str], index: int) -> bool:

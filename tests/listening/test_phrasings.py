@@ -27,6 +27,10 @@ THINGS = ("bench", "windmill")
         "not a wardrobe but a {}",
         "a castle scratch that a {}",
         "why don't you build a {}",
+        "what we dream of at home is a {}",
+        "our guide says you should make a {}",
+        "is a {} doable",
+        "a {} small and red",  # it is described from behind
         "need {}",  # no subject, no article
         "urm I ehm want a {}",
         "carve me a {}",
@@ -47,6 +51,9 @@ def test_a_wish_in_any_order_is_one(sentence: str, thing: str) -> None:
         "they agreed on a {} last week",
         "a {} between hope and despair",
         "a {} and breakfast",
+        "a tower of despair",
+        "a letter to the editor",
+        "nobody wants a {}",
         "I never liked a {}",
         "something to keep my sorrow in",
     ],
@@ -70,6 +77,22 @@ def test_the_same_order_may_tell_of_something(sentence: str) -> None:
 def test_a_phrase_ends_where_something_else_is_said(sentence: str, phrase: str) -> None:
     request = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING)
     assert (request.intent, request.phrase) == (Intent.DESIGN, phrase)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "what"),
+    [
+        *(("make it awfully tall", ("height", "+")), ("make it really very tall", ("height", "+"))),
+        *(("make the legs thick", ("", "+")), ("cut the legs shorter", ("length", "-"))),
+        *(("drop the height by five centimetres", ("height", "-")), ("make it stable", ("", "+"))),
+        *(("just like that but lower", ("height", "-")), ("I'd like wider legs", ("width", "+"))),
+    ],
+)
+def test_what_changes_a_thing_may_be_said_with_any_verb(
+    sentence: str, what: tuple[str, str]
+) -> None:
+    edits = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING).edits
+    assert [(edit.axis or "", edit.direction) for edit in edits] == [what]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 
+from cellctl.listening.understanding.edit_words import BASES
+
+_QUALITY = "|".join(sorted(BASES.keys() - {"height", "width", "depth", "length", "size", "little"}))
 _IT = r"(?P<it>it|that|this|them|the \w+(?: \w+)?)"
 _BETTER = r"(?:better|nicer|nice|great|good|cool|best)"
 _WOULD_BE = r"(?:it (?:would|might|could) be|it'd be)"
@@ -231,6 +234,36 @@ _REWRITES = tuple(
             r"(?:make|build|give me|give us|i'll take|we'll take|i'd like|let's have|let me have) "
             r"(?P<rest>\w+) of (?:them|these|those|it|that)",
             "make that {rest}",
+        ),
+        (
+            rf"(?:make|build|get|keep|want) {_IT} (?:to be )?(?:(?:very|really|super|so|extra|"
+            rf"quite|"
+            rf"pretty|nice and|all|more|\w+ly) )*(?P<rest>{_QUALITY})",
+            "make {it} more {rest}",
+        ),
+        (
+            rf"(?:{_WANT}|we want|we'd like|give me|can i have|let's have|(?:it|that) should have) "
+            rf"(?P<rest>(?:an? )?(?:much |slightly )?\w+er \w+|{_NUMBER} \w+)",
+            "{rest}",
+        ),
+        (
+            r"(?:change|set|reduce|increase|raise|lower|bring) the number of (?P<part>\w+)(?: up| "
+            r"down)? to (?P<rest>\w+)",
+            "with {rest} {part}",
+        ),
+        (
+            r"(?:change|set|switch|make) (?:the|its) colou?r (?:to |into )?(?P<rest>\w+)",
+            "make it {rest}",
+        ),
+        (
+            rf"(?:cut|saw|trim|get|do) {_IT} (?P<rest>(?:a bit |a little |much )?\w+er)",
+            "make {it} {rest}",
+        ),
+        (rf"(?P<rest>{_NUMBER}) of (?:them|these|those)", "make that {rest}"),
+        (rf"make (?P<rest>{_NUMBER})", "make that {rest}"),
+        (
+            r"(?:put|add|stick|place|set) (?P<rest>an? \w+) on (?:top|it|there)(?: of it)?",
+            "add {rest}",
         ),
         (
             rf"(?:instead of|rather than) {_NUMBER} (?P<part>\w+) .*?(?P<rest>{_NUMBER})",

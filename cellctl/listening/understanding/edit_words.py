@@ -90,6 +90,11 @@ BASES = {
     ),
     **dict.fromkeys(("strong", "sturdy", "stable", "solid"), Trait(None, "+", "strength")),
     "steep": Trait(None, "+", "steepness"),
+    "heavy": Trait(None, "+", "weight"),
+    "light": Trait(None, "-", "weight"),
+    "round": Trait(None, "+", "roundness"),
+    "square": Trait(None, "-", "roundness"),
+    "simple": Trait(None, "+", "simplicity"),
     "weak": Trait(None, "-", "strength"),
     "wobbly": Trait(None, "-", "strength"),
 }

@@ -49,14 +49,14 @@ _CHOOSES = re.compile(
 )
 _CHOOSING = frozenset(
     {"take", "choose", "pick", "select", "order", "seek", "search", "request", "vote", "opt",
-     "become", "get", "go", "wish", "ask", "asking", "beg", "begging", "long", "dream", "imagine",
-     "require", "demand", "command", "desire", "hope", "need", "want", "like", "love", "prefer",
+     "become", "get", "go", "wish", "ask", "asking", "beg", "begging", "long", "dream",
+     "imagine", "require", "demand", "command", "desire", "hope", "need", "want", "prefer",
      "says", "say", "suggest", "propose", "settle", "plump", "await", "expect", "crave", "call",
-     "insists", "insist", "have", "enjoy", "asks", "wants", "needs", "takes", "chooses", "wishes",
-     "picks", "votes", "shouts", "shouting", "calling", "crying", "suggests", "demands", "begs"}
+     "insists", "insist", "asks", "wants", "needs", "takes", "chooses", "wishes", "picks",
+     "votes", "shouts", "shouting", "calling", "crying", "suggests", "demands", "begs"}
 )  # fmt: skip
 """What a speaker does to a thing that is to be; in the past it was."""
-_WEAK = frozenset({"take", "get", "like", "love", "have", "call", "becomes", "become", "go", "say",
+_WEAK = frozenset({"take", "get", "call", "becomes", "become", "go", "say",
                    "says", "see", "search", "order", "takes"})  # fmt: skip
 """Of these, what is also said of things that are there: only furniture is meant to be built."""
 _JOY = re.compile(
@@ -71,12 +71,30 @@ _ONE = re.compile(
 )
 _DECIDED = re.compile(
     r".*\b(?:settled|decided|agreed|voted|opted|settling|deciding|voting|set|fixed|hooked|dead set|"
-    r"keen|asking|asked|begging|pining|longing|crying)(?: myself| ourselves)? (?:on|for|upon) "
+    r"keen|asking|asked|begging|pining|longing|crying|heart|mind|sights)(?: myself|"
+    r" ourselves)? (?:on|for|upon) "
     r"(?P<wish>an? .+)"
 )
 _SUGGESTED = re.compile(
     r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<thing>an? (?:\w+ ){1,4}?)"
-    r"(?:be|look|fit|help|work|do|suit|go|make)\b.*"
+    r"(?:be|look|fit|help|work|do|suit|go|make)\b.*|(?:is|would|are) (?P<asked>an? (?:\w+ ){1,4}?)"
+    r"(?:be )?(?:doable|possible|feasible|available|an option|on the menu|too (?:hard|difficult|"
+    r"much))"
+    r"(?: .*)?"
+)
+_CLEFT = re.compile(
+    r"what (?:i|we|he|she|they|(?:my|our|the) \w+)(?!.*\b(?:saw|bought|had|broke|found|lost|sold|"
+    r"got|ate|"
+    r"heard|hate|own|have|made|built|see)\b) .+? (?:is|was|would be) (?P<wish>an? .+)"
+)
+_REPORTED = re.compile(
+    r".*\b(?:says?|said|thinks?|thought|told (?:me|us)|suggests?|suggested|meant)(?: that)? "
+    r"(?:i|we|you|it|he|she) (?:should|must|could|can|might|ought to|have to|has to|shall) "
+    rf"(?:please )?(?:{MAKES}|do|have|try|get|ask for|go for|order) (?P<wish>an? .+)"
+)
+_VOTE = re.compile(
+    r"(?:my|our|his|her) (?:\w+ )?(?:vote|choice|pick|wish|favou?rite|idea|suggestion|guess|order)"
+    r"(?:'s| is| goes| would be| was)(?: (?:for|to|on))? (?:the|an?) (?P<noun>.+)"
 )
 _NOT_THIS = re.compile(
     r"(?:no )*(?:not|i don't want|i didn't (?:want|say|mean)) (?:the|an?|that) \w+ "
@@ -96,7 +114,9 @@ def recast(text: str) -> Iterator[str]:
     """
     if (one := _named_earlier(text)) is not None:
         yield f"make {one}"
-    for pattern in (_NOT_THIS, _NEEDED):
+    if (match := _VOTE.fullmatch(text)) is not None and _is_thing(match["noun"]):
+        yield f"i want a {match['noun']}"
+    for pattern in (_NOT_THIS, _NEEDED, _CLEFT, _REPORTED):
         if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
             yield f"i want {match['wish']}"
     if speaks_against(text):
@@ -104,8 +124,10 @@ def recast(text: str) -> Iterator[str]:
     yield from (f"i want {wish}" for wish in _fronted(text.split()))
     if (match := _AS_SUBJECT.fullmatch(text)) is not None and _is_thing(match["thing"]):
         yield f"i want {match['thing'].strip()}"
-    if (match := _SUGGESTED.fullmatch(text)) is not None and _is_thing(match["thing"]):
-        yield f"i want {match['thing'].strip()}"
+    if (match := _SUGGESTED.fullmatch(text)) is not None:
+        thing = (match["thing"] or match["asked"]).strip()
+        if _is_thing(thing):
+            yield f"i want {thing}"
     for pattern in (_BECOMES, _JOY, _DECIDED):
         if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
             yield f"i want {match['wish']}"
@@ -136,6 +158,8 @@ def _head_of(wish: str) -> str:
     words = wish.split()
     stops = LEXICON.enders | LEXICON.finite
     end = next((i for i, word in enumerate(words) if i and word in stops), len(words))
+    while end > 2 and words[end - 1] in LEXICON.comparatives:
+        end -= 1  # "a table small"
     return singular(words[end - 1])
 
 

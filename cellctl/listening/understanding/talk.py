@@ -20,6 +20,7 @@ class Talk:
     served: frozenset[str]
     written: frozenset[str]
     elsewhere: frozenset[str]
+    figures: frozenset[str]
     times: frozenset[str]
     places: frozenset[str]
     weapons: frozenset[str]
@@ -48,6 +49,7 @@ def talk() -> Talk:
         served=words("served"),
         written=words("written"),
         elsewhere=words("elsewhere", "words"),
+        figures=words("figures"),
         times=words("elsewhere", "times"),
         places=words("elsewhere", "places"),
         weapons=words("weapons"),
@@ -125,6 +127,6 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
         return f"a {head} is eaten or used up, not built"
     if asked and entry is not None and entry.kind in "pb" and LEXICON.is_physical(head) is not True:
         return f"a {head} is no object"
-    if determiner in _EXISTING and asked:
+    if determiner in _EXISTING and asked and not core[0].endswith("est"):
         return f'"{determiner} {head}" exists already'
     return ""

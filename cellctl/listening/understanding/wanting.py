@@ -85,8 +85,24 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
         return no(judgement.why, abstract=True)
     if head in talk().written and (frame.kind != "bare" or not phrase.determiner):
         return no(f"a {head} is written or drawn, not built")
-    if phrase.rest[:1] in (("between",), ("among",)) and _is_idea(phrase.rest[-1]):
-        return no("what is between ideas is none of the things one builds")
+    if (
+        head == "letter"
+        and not has_glyph
+        and (
+            phrase.rest[:1] in (("to",), ("from",), ("about",))
+            or (
+                len(phrase.core) > 1
+                and _is_idea(phrase.core[-2])
+                and not _describes(phrase.core[-2])
+            )
+        )
+    ):
+        return no("such a letter is written, not built")
+    of_idea = phrase.rest[:1] == ("of",) or (phrase.rest[:1] == ("to",) and len(phrase.rest) == 2)
+    figure = head in talk().figures and of_idea
+    between = phrase.rest[:1] in (("between",), ("among",))
+    if (figure or between) and _is_idea(phrase.rest[-1]):
+        return no("it is a figure of speech")
     if phrase.rest[:1] == ("and",) and len(phrase.rest) == 2 and _is_idea(phrase.rest[1]):
         return no("with an idea it makes one, too")  # "a bed and breakfast"
     if frame.kind == "having" and "where" in phrase.rest:
@@ -137,7 +153,7 @@ def _no_phrase(phrase: NounPhrase) -> str:
     if phrase.rest[:1] and phrase.rest[0] in _OBJECTS and not phrase.determiner:
         return "it says what to do with an object"
     for word in phrase.rest:
-        if word in _SUBJECTS:
+        if word in _SUBJECTS or (word == "one" and phrase.rest[0] in ("like", "as")):
             break
         if word in LEXICON.finite:
             return "it says something about an object"
@@ -197,6 +213,11 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
     if known or (judgement.kind in "afl" and judgement.confidence >= _SURE and entry is not None):
         return ""
     return f"{head!r} alone is not surely an object"
+
+
+def _describes(word: str) -> bool:
+    entry = look_up(word)
+    return word in LEXICON.colours or (entry is not None and "a" in entry.parts)
 
 
 def _is_idea(word: str) -> bool:
