@@ -38,6 +38,7 @@ ARGUMENTS = (
     "--no-sandbox",  # tests may run as root
     "--use-angle=swiftshader",  # 3D without a graphics card
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # all but 3D is drawn sooner without what stands in for one
     "--disable-gpu-watchdog",  # which ends a drawing process that waits for a busy computer
     "--disable-background-networking",
     "--disable-component-update",

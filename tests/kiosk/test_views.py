@@ -48,7 +48,7 @@ def assert_accessible(opened: OpenPage) -> None:
 
 
 def test_a_visitor_types_a_wish_sees_what_was_understood_and_says_no(idle: Visit) -> None:
-    with idle.open(graphics=False) as opened:
+    with idle.open(reduced_motion="reduce") as opened:
         opened.phase("ready")
         assert_accessible(opened)
         opened.type("a stool thirty centimetres high")

@@ -1,5 +1,6 @@
 // The cell in three dimensions, or an object on a turntable. Draws only when something has changed
-// or turns, and stands still for those who asked their system for less motion.
+// or turns, stands still for those who asked their system for less motion, and leaves a slow computer
+// to what listens and moves.
 import { GLTFLoader, THREE } from "nicegui-scene";
 import { Arm } from "cellctl-scene/arm.js";
 import { Furniture, ghost, Part, partGeometry } from "cellctl-scene/parts.js";
@@ -10,6 +11,8 @@ const SWAY_S = 40; // the camera's way to and fro before the cell
 const SWAY_RAD = 0.32;
 const TURN_A_PIXEL_RAD = 0.008;
 const FRAME_S = 1 / 30;
+const SCREEN_S = 1 / 50; // from one frame of the screen to the next, where drawing takes no time
+const SHARE = 1 / 4; // of all time, that may be spent on drawing
 const CAPTIONS_PX = 52; // how high the captions below the plates are
 const ARRIVE_S = 0.45; // how long a part takes to appear
 
@@ -35,12 +38,19 @@ export default {
     this.scheme.addEventListener("change", this.recoloured);
     this.resize();
     this.before = 0;
+    this.drew = false;
+    this.cost_s = 0;
     this.loop = (now) => {
       this.frame = requestAnimationFrame(this.loop);
-      if ((now - this.before) / 1000 < FRAME_S * 0.9) return;
-      const passed = Math.min(0.2, (now - this.before) / 1000);
+      const passed = (now - this.before) / 1000;
+      if (this.drew) {
+        // How late the screen's next frame is tells how long this one took to draw.
+        this.drew = false;
+        this.cost_s += 0.3 * (Math.min(1, Math.max(0, passed - SCREEN_S)) - this.cost_s);
+      }
+      if (passed < Math.max(FRAME_S * 0.9, this.cost_s / SHARE)) return;
       this.before = now;
-      if (!document.hidden) this.advance(passed);
+      if (!document.hidden) this.drew = this.advance(Math.min(1, passed));
     };
     this.frame = requestAnimationFrame(this.loop);
     this.$emit("ready");
@@ -261,11 +271,12 @@ export default {
       }
       const turns = !this.still.matches;
       if (turns && this.mode === "table") this.angle += (passed * 2 * Math.PI) / TURN_S;
-      if (!(moving || turns || this.dirty)) return;
+      if (!(moving || turns || this.dirty)) return false;
       this.dirty = false;
       this.voxels.rotation.z = this.shape.rotation.z = 0.6 + this.angle + this.turned;
       this.look();
       this.renderer.render(this.scene, this.camera);
+      return true;
     },
 
     // Moves the picture up by that share of its height.
