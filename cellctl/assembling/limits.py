@@ -20,11 +20,11 @@ from cellctl.assembling.poses import Floats
 from cellctl.assembling.timing import Timing
 from cellctl.config import Joints
 
-_ROUNDS = 4
+_ROUNDS = 8
 _ENOUGH = 1.005
 """A limit that is exceeded by less is kept: that is what sampling leaves."""
-_LEAST_SHARE = 0.6
-_SLOWER = 0.92
+_LEAST_SHARE = 0.9
+_SLOWER = 0.96
 _LEAST_WAY = 1e-6
 _TINY = 1e-9
 

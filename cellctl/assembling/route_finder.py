@@ -6,6 +6,7 @@ first one that is clear is timed, as quick as the joints allow.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -19,7 +20,7 @@ from cellctl.assembling.limits import Use, leading_shares
 from cellctl.assembling.obstacles import TOUCH_M
 from cellctl.assembling.poses import Floats, Matrix, to_matrix
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
-from cellctl.assembling.shaping import Shape, Shaper
+from cellctl.assembling.shaping import Corner, Shape, Shaper, aside_m
 from cellctl.assembling.timing import Timing
 from cellctl.config import CellConfig, Joints
 from cellctl.errors import PlanError
@@ -31,6 +32,10 @@ _STRAIGHT_LIFT_M = 0.032
 """Lifted so far and no way aside, a part comes off one that sticks to it on the belt."""
 _STRAIGHT_DOWN_M = 0.015
 """The last of the way to a place beside others, below the curve that leads there."""
+_CUT_M = 0.25
+"""A way across that is longer than this is cut, so that each piece has a speed of its own: where
+the TCP is far from the base it is as fast as it may be at fewer radians a second."""
+_CUTS = (0.25, 0.5, 0.75)
 
 
 class RouteFinder:
@@ -50,6 +55,7 @@ class RouteFinder:
         self._frames = frames
         self._checker = checker
         self._shaper = Shaper(config, frames)
+        self._cuts = config.robot.path == "blended"
 
     def find(self, start: Stance, goal: Stance, scene: Scene, sink_m: float = 0.0) -> Route:
         """The first of the shapes that keeps clear of everything.
@@ -93,6 +99,8 @@ class RouteFinder:
         if not corners:
             height_m = self._frames.height_m(here)
             return Route(path=(), duration_s=0.0, crossing_height_m=height_m, end=start)
+        if self._cuts:
+            corners = self._cut(start, corners)
         path = self._shaper.path(here, corners, shape, carrying=carrying)
         course = self._checker.course(start, path)
         end_rad = as_joints(course.joints_rad[-1])
@@ -109,6 +117,21 @@ class RouteFinder:
             crossing_height_m=float(heights.max() + self._frames.cell_from_base[2, 3]),
             end=Stance(path[-1].pose, end_rad),
         )
+
+    def _cut(self, start: Stance, corners: Sequence[Corner]) -> list[Corner]:
+        """The same corners, with more of them where the joints go straight on a long way across."""
+        found: list[Corner] = []
+        here = to_matrix(start.tcp_pose)
+        for corner in corners:
+            if aside_m(here, corner.tcp) > _CUT_M:
+                points, rotations = self._checker.tcp_between(start, here, corner.tcp)
+                found += [
+                    Corner(_pose(points, rotations, share), slow=False, through=True)
+                    for share in _CUTS
+                ]
+            found.append(corner)
+            here = corner.tcp
+        return found
 
     def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
         """Ways across, by their heights; the first ones lead away from what stands beside their

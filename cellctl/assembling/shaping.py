@@ -18,7 +18,7 @@ from cellctl.config import CellConfig
 
 _SAME_PLACE_M = 0.002
 _SAME_TURN_RAD = 0.01
-_SLOW_BLEND_M = 0.002
+_SLOW_BLEND_M = 0.001
 _THROUGH_BLEND_M = 0.006
 _CORNER_SHARE = 0.7
 """Of a piece of a way up or down that ends at the way across: so much of it is for the curve."""
@@ -262,6 +262,11 @@ def _room_m(length_m: float, other_m: float, *, shared: bool) -> float:
 
 def stacked(here: Matrix, there: Matrix) -> bool:
     """Whether one pose is straight above the other."""
-    apart_m = math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])
+    apart_m = aside_m(here, there)
     _, turned_rad = distance(to_pose(here), to_pose(there))
     return apart_m < _SAME_PLACE_M and turned_rad < _SAME_TURN_RAD
+
+
+def aside_m(here: Matrix, there: Matrix) -> float:
+    """How far one pose is from straight above the other."""
+    return math.hypot(here[0, 3] - there[0, 3], here[1, 3] - there[1, 3])

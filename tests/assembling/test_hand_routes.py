@@ -202,7 +202,7 @@ def test_rising_ends_above_everything_that_stands_or_waits() -> None:
 
 
 def test_rising_goes_as_high_as_the_arm_reaches() -> None:
-    far = at(0.55, 0.55, 0.3)
+    far = at(0.55, 0.45, 0.3)
     wall = frozenset(Cell(0, 0, z) for z in range(12))
     route = PLANNER.rise(far, wall, carrying=False)
     assert 0.6 < position_m(route.end)[2] < 1.23

@@ -61,7 +61,7 @@ BEAM = (0.0, -0.5, 1.4, 0.15, -0.2, 1.8)
 
 @pytest.mark.parametrize(
     ("joint", "by_rad", "told"),
-    [(1, 2.4, "The elbow ran into the floor."), (2, 1.1, "The forearm ran into the wall.")],
+    [(1, 2.8, "The elbow ran into the floor."), (2, 1.1, "The forearm ran into the wall.")],
 )
 def test_a_link_that_goes_where_something_stands_is_a_collision(
     joint: int, by_rad: float, told: str
