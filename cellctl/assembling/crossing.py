@@ -87,8 +87,12 @@ def profile(
     """
     heights = wanted_m - bulge_m
     heights[0], heights[-1] = max(start_m, wanted_m[0]), max(end_m, wanted_m[-1])
+    # Whatever is below both ends is below the straight way between them.
+    kept = heights > min(heights[0], heights[-1])
+    kept[0] = kept[-1] = True
+    shares = np.linspace(0.0, 1.0, len(heights))[kept]
     hull: list[tuple[float, float]] = []
-    for x, y in zip(np.linspace(0.0, 1.0, len(heights)).tolist(), heights.tolist(), strict=True):
+    for x, y in zip(shares.tolist(), heights[kept].tolist(), strict=True):
         while len(hull) >= 2 and _above_m(hull[-2], hull[-1], (x, y)) <= _TINY_M:
             hull.pop()
         hull.append((x, y))

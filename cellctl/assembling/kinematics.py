@@ -73,28 +73,32 @@ class Kinematics:
     def forward_many(self, joints_rad: Floats) -> tuple[Floats, Floats]:
         """Poses of the flange for n x 6 joints: n x 3 x 3 rotations and n x 3 positions."""
         d1, upper_arm, forearm, d4, d5, d6 = self.lengths
-        turn, lift = joints_rad[:, 0], joints_rad[:, 1]
-        bend = lift + joints_rad[:, 2]
-        roll = bend + joints_rad[:, 3]
-        c1, s1 = np.cos(turn), np.sin(turn)
-        c5, s5 = np.cos(joints_rad[:, 4]), np.sin(joints_rad[:, 4])
-        c6, s6 = np.cos(joints_rad[:, 5]), np.sin(joints_rad[:, 5])
-        cr, sr = np.cos(roll), np.sin(roll)
-        # In the arm's own plane: ahead of the base's axis, up, and aside of the plane.
-        fifth = np.stack([sr, -cr, np.zeros_like(sr)], axis=1)
-        sixth = np.stack([-s5 * cr, -s5 * sr, c5], axis=1)
-        across = np.stack([c5 * cr, c5 * sr, s5], axis=1)
-        at = d5 * fifth + d6 * sixth
-        at[:, 0] -= upper_arm * np.cos(lift) + forearm * np.cos(bend)
-        at[:, 1] += d1 - upper_arm * np.sin(lift) - forearm * np.sin(bend)
-        at[:, 2] += d4
-        x_axis = across * c6[:, None] - fifth * s6[:, None]
-        y_axis = -fifth * c6[:, None] - across * s6[:, None]
-        columns = np.stack([x_axis, y_axis, sixth, at], axis=2)
-        world = np.empty_like(columns)
-        world[:, 0] = columns[:, 0] * c1[:, None] + columns[:, 2] * s1[:, None]
-        world[:, 1] = columns[:, 0] * s1[:, None] - columns[:, 2] * c1[:, None]
-        world[:, 2] = columns[:, 1]
+        # Turn, lift, bend, roll, and the last two joints: links one after another add up.
+        angles = joints_rad.T.copy()
+        angles[2] += angles[1]
+        angles[3] += angles[2]
+        c1, cos_lift, cos_bend, cr, c5, c6 = np.cos(angles)
+        s1, sin_lift, sin_bend, sr, s5, s6 = np.sin(angles)
+        # In the arm's own plane: x and y axis, z axis and place of the flange, each ahead of the
+        # base's axis, up, and aside of the plane.
+        ahead = (
+            c5 * cr * c6 - sr * s6,
+            -sr * c6 - c5 * cr * s6,
+            -s5 * cr,
+            d5 * sr - d6 * s5 * cr - (upper_arm * cos_lift + forearm * cos_bend),
+        )
+        up = (
+            c5 * sr * c6 + cr * s6,
+            cr * c6 - c5 * sr * s6,
+            -s5 * sr,
+            (d1 - upper_arm * sin_lift - forearm * sin_bend) - d5 * cr - d6 * s5 * sr,
+        )
+        aside = (s5 * c6, -s5 * s6, c5, d6 * c5 + d4)
+        world = np.empty((len(joints_rad), 3, 4))
+        for column, (along, above, across) in enumerate(zip(ahead, up, aside, strict=True)):
+            world[:, 0, column] = along * c1 + across * s1
+            world[:, 1, column] = along * s1 - across * c1
+            world[:, 2, column] = above
         return world[:, :, :3], world[:, :, 3]
 
     def branch(self, joints_rad: Joints) -> Branch:

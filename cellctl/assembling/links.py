@@ -105,38 +105,46 @@ def gaps_m(arm: Links, group: Obstacles) -> Floats:
     between what is joined to each other."""
     frame = group.frame_from_base
     centres = arm.centres @ frame[:3, :3].T + frame[:3, 3]
-    return _gaps_m(arm, group, centres, np.arange(len(group.names)))
+    every = np.arange(len(arm.names)), np.arange(len(group.names))
+    return _gaps_m(arm, group, centres, *every)
 
 
 def nearest(arm: Links, groups: tuple[Obstacles, ...], within_m: float) -> Nearest:
     """The smallest gap between any link and any obstacle, of those within a distance."""
     found = Nearest(math.inf, "", "")
-    reach_m = float(arm.radii_m.max()) + within_m
+    reach_m = (arm.radii_m + within_m)[:, None]
     for group in groups:
         frame = group.frame_from_base
         centres = arm.centres @ frame[:3, :3].T + frame[:3, 3]
-        low = centres.min(axis=(0, 1)) - reach_m
-        high = centres.max(axis=(0, 1)) + reach_m
-        near = np.flatnonzero(((group.high > low) & (group.low < high)).all(axis=1))
-        if near.size == 0:
+        # What each sphere sweeps, as a box: only boxes that meet that can be so near to it.
+        low, high = centres.min(axis=0) - reach_m, centres.max(axis=0) + reach_m
+        near = ((group.high > low[:, None]) & (group.low < high[:, None])).all(axis=2)
+        spheres, boxes = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+        if boxes.size == 0:
             continue
-        gaps = _gaps_m(arm, group, centres, near)
+        gaps = _gaps_m(arm, group, centres, spheres, boxes)
         _, sphere, box = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
         gap_m = float(gaps.min())
         if gap_m < found.gap_m:
-            found = Nearest(gap_m, arm.names[sphere], group.names[near[box]])
+            found = Nearest(gap_m, arm.names[spheres[sphere]], group.names[boxes[box]])
     return found
 
 
-def _gaps_m(arm: Links, group: Obstacles, centres: Floats, boxes: npt.NDArray[np.intp]) -> Floats:
+def _gaps_m(
+    arm: Links,
+    group: Obstacles,
+    centres: Floats,
+    spheres: npt.NDArray[np.intp],
+    boxes: npt.NDArray[np.intp],
+) -> Floats:
     low, high = group.low[boxes], group.high[boxes]
-    beyond = np.maximum(low - centres[:, :, None, :], centres[:, :, None, :] - high)
-    outside = np.maximum(beyond, 0.0)
+    points = centres[:, spheres, None, :]
+    outside = np.maximum(np.maximum(low - points, points - high), 0.0)
     gaps: Floats = np.sqrt(np.einsum("npbk,npbk->npb", outside, outside))
-    gaps -= arm.radii_m[None, :, None]
+    gaps -= arm.radii_m[None, spheres, None]
     own = [i for i, box in enumerate(boxes) if group.names[box] in _OWN]
     if own:
-        joined = [i for i, name in enumerate(arm.names) if name == "upper arm"]
+        joined = [i for i, sphere in enumerate(spheres) if arm.names[sphere] == "upper arm"]
         gaps[np.ix_(range(len(gaps)), joined, own)] = np.inf
     return gaps
 

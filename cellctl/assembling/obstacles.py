@@ -106,16 +106,25 @@ class Obstacles:
             (n - 1) x boxes.
         """
         low, high = self._extents(body, rotations)
-        face_to_face = margins_m <= touch_m
-        keep = np.where(face_to_face, margins_m - touch_m, margins_m)[:, None, None]
-        grown_low = self.low - np.maximum(high[:-1], high[1:])[:, None, :] - keep
-        grown_high = self.high - np.minimum(low[:-1], low[1:])[:, None, :] + keep
-        grown_high[:, :, 2] -= np.where(face_to_face, sink_m, 0.0)[:, None]
         frame = self.frame_from_base
         origins = points @ frame[:3, :3].T + frame[:3, 3]
+        flags: Flags = np.zeros((len(points) - 1, len(self.names)), dtype=np.bool_)
+        # Only boxes that meet a box around all that is swept can be touched.
+        widest_m = float(margins_m.max(initial=0.0))
+        low, high = np.minimum(low[:-1], low[1:]), np.maximum(high[:-1], high[1:])
+        swept_low = (np.minimum(origins[:-1], origins[1:]) + low).min(axis=0) - widest_m
+        swept_high = (np.maximum(origins[:-1], origins[1:]) + high).max(axis=0) + widest_m
+        near = np.flatnonzero(((self.high > swept_low) & (self.low < swept_high)).all(axis=1))
+        if near.size == 0:
+            return flags
+        face_to_face = margins_m <= touch_m
+        keep = np.where(face_to_face, margins_m - touch_m, margins_m)[:, None, None]
+        grown_low = self.low[near] - high[:, None, :] - keep
+        grown_high = self.high[near] - low[:, None, :] + keep
+        grown_high[:, :, 2] -= np.where(face_to_face, sink_m, 0.0)[:, None]
         ways = np.diff(origins, axis=0)[:, None, :]
         begin, finish = _entered(origins[:-1, None, :], ways, grown_low, grown_high)
-        flags: Flags = begin < finish
+        flags[:, near] = begin < finish
         return flags
 
     def touched_at(self, body: Body, poses: Floats) -> Flags:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,14 @@ _ARC_STEPS = 8
 """At a right angle, chords of this many steps stay within 0.5 % of the arc's radius of it."""
 _ARC_SHARES = np.linspace(0.0, 1.0, _ARC_STEPS + 1)
 _LINE_STEPS = 4
+
+
+@cache
+def even(count: int) -> Floats:
+    """So many even shares from 0 to 1; shared, hence not to be written to."""
+    shares = np.linspace(0.0, 1.0, count)
+    shares.flags.writeable = False
+    return shares
 
 
 class Piece(NamedTuple):
@@ -58,7 +67,7 @@ def pieces(corners: Floats, blends: Sequence[float], spacing: float) -> tuple[Pi
         last = max(first, 1.0 - radii[leg + 1] / length if length > 0.0 else 1.0)
         straight = length * (last - first)
         count = max(_LINE_STEPS, math.ceil(straight / spacing)) + 1
-        shares = np.linspace(first, last, count)
+        shares = first + (last - first) * even(count)
         values = corners[leg] + shares[:, None] * way
         found.append(Piece(leg, False, straight, math.inf, values, leg + shares))
         if radii[leg + 1] > 0.0:

@@ -17,7 +17,7 @@ from cellctl.assembling.frames import Frames
 from cellctl.assembling.hand_routes import HandRoutes
 from cellctl.assembling.kinematics import Kinematics, same_configuration
 from cellctl.assembling.latch_gripper import STEADY_S
-from cellctl.assembling.poses import Matrix, distance, to_matrix, to_pose
+from cellctl.assembling.poses import Matrix, to_matrix, to_pose
 from cellctl.assembling.route_check import Route, RouteChecker, Scene, Stance
 from cellctl.assembling.route_finder import RouteFinder
 from cellctl.assembling.take_off import TakeOffRoutes
@@ -82,6 +82,8 @@ class RoutePlanner:
         self._hand = HandRoutes(config, self._frames, self._kinematics, self._checker)
         self._taking = TakeOffRoutes(config, self._frames, self._checker)
         self._told = ToldRoutes(config, self._frames, self._checker)
+        self._stances: dict[Cell | None, Stance] = {}
+        """Of cells, and of the pick station by None: every step asks for them again."""
 
     def pick_stance(self) -> Stance:
         """Gripping the part at the pick station.
@@ -89,7 +91,9 @@ class RoutePlanner:
         Raises:
             PlanError: it is out of reach.
         """
-        return self._stance(self._frames.pick_tcp(), "the pick station")
+        if None not in self._stances:
+            self._stances[None] = self._stance(self._frames.pick_tcp(), "the pick station")
+        return self._stances[None]
 
     def place_stance(self, cell: Cell) -> Stance:
         """Holding a part in a cell.
@@ -97,10 +101,12 @@ class RoutePlanner:
         Raises:
             PlanError: the cell is outside the workspace or out of reach.
         """
-        if not all(0 <= index < count for index, count in zip(cell, self._grid, strict=True)):
-            size = " x ".join(str(count) for count in self._grid)
-            raise PlanError(f"{_name(cell)} is outside the workspace of {size} cells.")
-        return self._stance(self._frames.place_tcp(cell), _name(cell))
+        if cell not in self._stances:
+            if not all(0 <= index < count for index, count in zip(cell, self._grid, strict=True)):
+                size = " x ".join(str(count) for count in self._grid)
+                raise PlanError(f"{_name(cell)} is outside the workspace of {size} cells.")
+            self._stances[cell] = self._stance(self._frames.place_tcp(cell), _name(cell))
+        return self._stances[cell]
 
     def to_pick(self, start: Stance, placed: Collection[Cell]) -> Route:
         """With an open gripper from anywhere to the part at the pick station.
@@ -370,7 +376,7 @@ class RoutePlanner:
         except PlanError:
             return math.inf
         pick = self.pick_stance()
-        way_m, _ = distance(pick.tcp_pose, there.tcp_pose)
+        way_m = math.dist(pick.tcp_pose[:3], there.tcp_pose[:3])
         turning_s = self._checker.limits.direct_s(pick.joints_rad, there.joints_rad)
         return max(turning_s, way_m / self._robot.travel_speed_m_s)
 

@@ -262,9 +262,10 @@ def _room_m(length_m: float, other_m: float, *, shared: bool) -> float:
 
 def stacked(here: Matrix, there: Matrix) -> bool:
     """Whether one pose is straight above the other."""
-    apart_m = aside_m(here, there)
+    if aside_m(here, there) >= _SAME_PLACE_M:
+        return False
     _, turned_rad = distance(to_pose(here), to_pose(there))
-    return apart_m < _SAME_PLACE_M and turned_rad < _SAME_TURN_RAD
+    return turned_rad < _SAME_TURN_RAD
 
 
 def aside_m(here: Matrix, there: Matrix) -> float:

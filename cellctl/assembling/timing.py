@@ -11,13 +11,13 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from cellctl.assembling.poses import Floats
-from cellctl.assembling.rounded import Piece
+from cellctl.assembling.rounded import Piece, even
 
 
 class _Stretch(NamedTuple):
@@ -63,7 +63,7 @@ class Timing:
 
     def samples(self) -> tuple[Floats, Floats]:
         """Speed and acceleration along the path at each sample of each piece."""
-        counts = [len(piece.shares) for piece in self.pieces]
+        counts = tuple(len(piece.shares) for piece in self.pieces)
         rows = np.array(
             [
                 (entry, leave, stretch.speed, stretch.acceleration, stretch.length)
@@ -73,7 +73,7 @@ class Timing:
             ]
         )
         entry, leave, most, rate, length = np.repeat(rows, counts, axis=0).T
-        way = length * np.concatenate([_even(count) for count in counts])
+        way = length * _evens(counts)
         up = np.sqrt(entry**2 + 2.0 * rate * way)
         down = np.sqrt(leave**2 + 2.0 * rate * (length - way))
         speed = np.minimum(most, np.minimum(up, down))
@@ -108,9 +108,10 @@ class Timing:
         return tuple(speeds)
 
 
-@cache
-def _even(count: int) -> Floats:
-    return np.linspace(0.0, 1.0, count)
+@lru_cache(maxsize=64)
+def _evens(counts: tuple[int, ...]) -> Floats:
+    """Of pieces with so many samples: at which shares of its piece each is."""
+    return np.concatenate([even(count) for count in counts])
 
 
 def _trapezoid_s(stretch: _Stretch, entry: float, leave: float) -> float:
