@@ -29,6 +29,9 @@ _SLACK = 1e-6
 _ROUNDING = 2e-6
 """What of a balance or a limit rounding may cost, in units of force."""
 
+_SMALL = 100
+"""Up to so many parts all entries of the balance are kept, empty ones too: they are read faster."""
+
 
 class Model:
     """All parts that stand at some time, and all joints that they can have; built once a plan.
@@ -57,6 +60,7 @@ class Model:
         self._plane = planes[self.axis]
         self.offsets = strength[:, None] * shares
         self.balance = _balance(self.upper, self.lower, self.axis, len(self.cells))
+        self._dense = self.balance.toarray() if len(self.cells) <= _SMALL else None
         self.limits = _blocks(self._plane)
         # How readily a joint takes up each resultant, for a first guess: as much as it bears.
         ease = np.tile([1.0, 1.0, 1.0], (len(self.upper), 2))
@@ -85,6 +89,15 @@ class Model:
                 found.append((body, other, axis))
         table: Ints = np.array(found, dtype=np.int64).reshape(-1, 3)
         self.upper, self.lower, self.axis = table.T
+
+    def balance_of(self, rows: Ints, columns: Ints) -> Floats:
+        """Some rows and columns of ``balance``."""
+        found: Floats = (
+            self.balance[rows][:, columns].toarray()
+            if self._dense is None
+            else self._dense[np.ix_(rows, columns)]
+        )
+        return found
 
     def joined(self, here: Bools) -> Bools:
         """Joints of which both parts are here, (joints,)."""

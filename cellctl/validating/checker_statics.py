@@ -157,7 +157,7 @@ class Standing:
     def _spreading(self, bodies: Ints, joints: Bools) -> Floats | None:
         """What each joint of springs takes up of each load, (6 joints, 6 parts)."""
         rows, columns = _six(bodies), _six(np.flatnonzero(joints))
-        balance = self._model.balance[rows][:, columns].toarray()
+        balance = self._model.balance_of(rows, columns)
         eased = balance * self._model.ease[joints].ravel()
         try:
             spread: Floats = eased.T @ np.linalg.inv(eased @ balance.T)
