@@ -24,6 +24,7 @@ from cellctl.validating.rules import (
     check_grounded,
 )
 from cellctl.validating.stability import Joint, Physics, Verdict, assess_order
+from cellctl.validating.stability.growth import GOOD_MARGIN
 
 _SOUGHT_UP_TO = 150
 """Parts up to which an order is sought by proofs, which takes seconds; the order of a larger object
@@ -118,8 +119,22 @@ def draft(cells: Cells, physics: Physics, gripper: Gripper, parts: int) -> Draft
     return _proven(found.cells, found.verdicts, physics, parts)
 
 
-def redraft(order: Sequence[Cell], physics: Physics, gripper: Gripper, parts: int) -> Draft:
+def redraft(
+    order: Sequence[Cell],
+    physics: Physics,
+    gripper: Gripper,
+    parts: int,
+    verdicts: Sequence[Verdict] = (),
+) -> Draft:
     """Check an order that is given.
+
+    Args:
+        order: the cells.
+        physics: what holds them.
+        gripper: what comes down with each.
+        parts: how many there are.
+        verdicts: of its steps, where they were proven before. Where a margin is less than
+            ``GOOD_MARGIN`` they are proven anew, so that the least one is exact.
 
     Raises:
         PlanError: it breaks a rule; the message names the rule and cells.
@@ -136,7 +151,10 @@ def redraft(order: Sequence[Cell], physics: Physics, gripper: Gripper, parts: in
                 cells=(cell, *blockers),
             )
         placed.add(cell)
-    return _proven(tuple(order), assess_order(order, physics), physics, parts)
+    least = min((verdict.margin for verdict in verdicts), default=0.0)
+    if len(verdicts) != len(order) or least < max(GOOD_MARGIN, physics.least_margin):
+        verdicts = assess_order(order, physics)
+    return _proven(tuple(order), tuple(verdicts), physics, parts)
 
 
 def paper_draft(found: PaperPlan, physics: Physics) -> Draft:

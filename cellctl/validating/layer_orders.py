@@ -7,7 +7,7 @@ second. Only where parts have to wait for a neighbour may that fail.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from typing import NamedTuple
 
@@ -53,6 +53,45 @@ def layer_orders(layer: AbstractSet[Cell], standing: AbstractSet[Cell]) -> list[
         orders.add(_grow(layer, around, resting, limit))
     judged = [_judge(order, around, resting) for order in orders]
     return sorted(judged)
+
+
+def distinct(orders: Sequence[LayerOrder], standing: AbstractSet[Cell]) -> list[LayerOrder]:
+    """Without those that are the image of one before, mirrored or turned, by a symmetry of the
+    layer and of what stands: they stand as well as that one."""
+    if len(orders) < 2:
+        return list(orders)
+    images = _symmetries(frozenset(orders[0].cells), standing)
+    seen: set[tuple[Cell, ...]] = set()
+    found = []
+    for order in orders:
+        if order.cells not in seen:
+            found.append(order)
+            seen.update(tuple(image[cell] for cell in order.cells) for image in images)
+    return found
+
+
+def _symmetries(layer: AbstractSet[Cell], standing: AbstractSet[Cell]) -> list[dict[Cell, Cell]]:
+    """Where each cell of a layer lands by each symmetry, the identity among them."""
+    cells = frozenset(layer | standing)
+    across = [min(axis) + max(axis) for axis in list(zip(*cells, strict=True))[:2]]
+    found = []
+    for turned in (False, True) if (across[0] - across[1]) % 2 == 0 else (False,):
+        for i in (1, -1):
+            for j in (1, -1):
+                image = {cell: _image(cell, across, (i, j), turned=turned) for cell in cells}
+                if all((to in standing) is (cell in standing) for cell, to in image.items()) and (
+                    cells.issuperset(image.values())
+                ):
+                    found.append({cell: image[cell] for cell in layer})
+    return found
+
+
+def _image(cell: Cell, across: list[int], signs: tuple[int, int], *, turned: bool) -> Cell:
+    """A cell mirrored about the middles, twice which is given, after swapping x and y if turned."""
+    x, y = 2 * cell.x - across[0], 2 * cell.y - across[1]
+    if turned:
+        x, y = y, x
+    return Cell((signs[0] * x + across[0]) // 2, (signs[1] * y + across[1]) // 2, cell.z)
 
 
 def tight_fits(order: Iterable[Cell], standing: Iterable[Cell] = ()) -> tuple[Cell, ...]:

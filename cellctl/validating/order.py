@@ -16,7 +16,7 @@ from typing import NamedTuple
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
-from cellctl.validating.layer_orders import LayerOrder, layer_orders, tight_fits
+from cellctl.validating.layer_orders import LayerOrder, distinct, layer_orders, tight_fits
 from cellctl.validating.layer_search import Search, search_layer
 from cellctl.validating.rules import Cells, pieces
 from cellctl.validating.stability import Physics, Verdict, assess
@@ -186,7 +186,7 @@ def _reachable(layer: Cells, standing: Cells, gripper: Gripper) -> list[LayerOrd
 def _best(candidates: Sequence[LayerOrder], growth: Growth, best: Laid | None) -> Laid:
     """The best of these and of one that is known."""
     proofs = 0
-    for candidate in candidates:
+    for candidate in distinct(candidates, growth.cells):
         enough = best is not None and (best.tight < candidate.tight or proofs >= _PROOFS)
         if best is not None and best.holds and enough:
             break

@@ -313,9 +313,9 @@ def _drafted(shape: Shape, config: CellConfig, parts: int) -> Draft:
         parts=parts,
         grid=config.grid,
         budget_s=config.planning.budget_s,
-        rescaled=lambda: process(shape, config.limits, parts).cells,
+        rescaled=lambda: process(shape, config.limits, parts, occupied=wanted).cells,
     )
-    found = redraft(repaired.order, physics, gripper, parts)
+    found = redraft(repaired.order, physics, gripper, parts, repaired.verdicts)
     if not repaired.changes:
         return found
     closeness = Closeness(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
+from functools import lru_cache
 
 from cellctl.assembly import Cell, Check
 from cellctl.validating import words
@@ -37,6 +38,7 @@ def supported(cell: Cell, cells: Cells) -> bool:
     return cell.z == 0 or cell.below() in cells
 
 
+@lru_cache(maxsize=16384)
 def lateral(cell: Cell) -> tuple[Cell, Cell, Cell, Cell]:
     """The four cells beside this one, in its layer."""
     x, y, z = cell

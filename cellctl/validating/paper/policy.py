@@ -85,14 +85,25 @@ def plan_paper_cells(cells: Iterable[Cell], limits: LimitsSection, parts: int) -
 
 
 def process(
-    shape: Shape, limits: LimitsSection, parts: int, modules: frozenset[Module] = COMPLETE
+    shape: Shape,
+    limits: LimitsSection,
+    parts: int,
+    modules: frozenset[Module] = COMPLETE,
+    occupied: Cells = frozenset(),
 ) -> Rescaled:
     """The rescaling modules, or some of them, until none changes anything.
+
+    Args:
+        shape: measured in cells.
+        limits: most cells of overhang and of a free-standing column.
+        parts: how many parts there are.
+        modules: those that run.
+        occupied: its cells, where they are known already.
 
     Raises:
         PlanError: there are no parts.
     """
-    found = occupy(shape)
+    found = Rescaled(shape, to_corner(occupied)) if occupied else occupy(shape)
     while True:
         before = found
         if Module.COUNT in modules:

@@ -17,6 +17,7 @@ from cellctl.assembly import Cell
 from cellctl.validating.repairing.hinge import Hinge
 from cellctl.validating.repairing.score import Size
 from cellctl.validating.rules import Cells, lateral
+from cellctl.validating.stability import Verdict
 
 _UNIT = 10_000
 """Loads are integers: this many are what the joints bear."""
@@ -26,8 +27,13 @@ class Stands(NamedTuple):
     """A structure that can be built: the order in which it stands at every step."""
 
     order: tuple[Cell, ...]
-    margin: float
-    """The least of all steps."""
+    verdicts: tuple[Verdict, ...]
+    """One a step: margins that are proven, though not always exact."""
+
+    @property
+    def margin(self) -> float:
+        """The least of all steps."""
+        return min((verdict.margin for verdict in self.verdicts), default=math.inf)
 
 
 class Collapses(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from functools import lru_cache
 
@@ -42,7 +41,7 @@ def judge_until(
         order = sketch_order(cells, gripper)
     except PlanError:
         return None
-    margin = math.inf
+    verdicts = []
     # Quick proofs first: what they cannot show is shown exactly, or refuted.
     growth = Growth(physics, thorough=False)
     for step, cell in enumerate(order):
@@ -52,10 +51,10 @@ def judge_until(
             verdict = assess(state, physics, cell)
             if verdict.margin < physics.least_margin:
                 return _collapse(verdict, state, cell, physics, begun=True)
-        margin = min(margin, verdict.margin)
+        verdicts.append(verdict)
         if time.monotonic() > until_s:
             return None
-    return Stands(order, margin)
+    return Stands(order, tuple(verdicts))
 
 
 def judge(cells: Cells, physics: Physics, gripper: Gripper) -> Stands | Collapses:
@@ -73,13 +72,13 @@ def judge(cells: Cells, physics: Physics, gripper: Gripper) -> Stands | Collapse
         order = find_order(cells, physics, gripper)
     except PlanError:
         return _one_by_one(cells, physics)
-    return Stands(order.cells, order.margin)
+    return Stands(order.cells, order.verdicts)
 
 
 def _one_by_one(cells: Cells, physics: Physics) -> Stands | Collapses:
     """Layer by layer, whichever part holds next; where none does, the collapse of the best one."""
     placed: list[Cell] = []
-    margin = math.inf
+    verdicts: list[Verdict] = []
     left = sorted(cells, key=lambda cell: (cell.z, not _grounded(cell, cells), cell))
     while left:
         standing = frozenset(placed)
@@ -89,7 +88,7 @@ def _one_by_one(cells: Cells, physics: Physics) -> Stands | Collapses:
                 continue
             verdict = assess(standing | {cell}, physics, cell)
             if verdict.margin >= physics.least_margin:
-                margin = min(margin, verdict.margin)
+                verdicts.append(verdict)
                 placed.append(cell)
                 left.remove(cell)
                 break
@@ -98,7 +97,7 @@ def _one_by_one(cells: Cells, physics: Physics) -> Stands | Collapses:
             verdict, cell = max(failed, key=lambda pair: pair[0].margin)
             begun = any(one.z == cell.z for one in standing)
             return _collapse(verdict, standing | {cell}, cell, physics, begun=begun)
-    return Stands(tuple(placed), margin)
+    return Stands(tuple(placed), tuple(verdicts))
 
 
 def _grounded(cell: Cell, cells: Cells) -> bool:

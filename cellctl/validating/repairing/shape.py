@@ -20,7 +20,7 @@ from cellctl.validating.repairing.symmetry import symmetries
 from cellctl.validating.repairing.task import Found, Rules
 from cellctl.validating.repairing.words import describe
 from cellctl.validating.rules import Cells, to_corner
-from cellctl.validating.stability import Physics
+from cellctl.validating.stability import Physics, Verdict
 
 LEAST_SCORE = 0.5
 """What keeps less than this of a shape is another object; it is refused, and told about."""
@@ -38,8 +38,8 @@ class Repaired:
     cells: Cells
     order: tuple[Cell, ...]
     """An order in which every state was found to stand."""
-    margin: float
-    """The least stability margin of its steps."""
+    verdicts: tuple[Verdict, ...]
+    """How it stands after each step, as far as that was determined."""
     changes: tuple[Change, ...]
     score: float
     """Likeness to the wanted shape; 1 if nothing was changed."""
@@ -88,7 +88,8 @@ def repair_shape(
     if not why:
         verdict = _judged(wanted.cells, physics, gripper, budget_s)
         if isinstance(verdict, Stands):
-            return Repaired(wanted.cells, verdict.order, verdict.margin, (), 1.0, 1.0, True, None)
+            order, verdicts = verdict
+            return Repaired(wanted.cells, order, verdicts, (), 1.0, 1.0, True, None)
         why = (unstable(verdict, physics.least_margin),)
     base = rescaled()
     base = to_corner(base) if base else base
@@ -127,7 +128,7 @@ def repair_shape(
     return Repaired(
         found.cells,
         found.stands.order,
-        found.stands.margin,
+        found.stands.verdicts,
         changes,
         found.score,
         max(found.bound, found.score),
