@@ -16,7 +16,7 @@ demo: setup ## Speak a wish, watch the emulated cell build it, keep a picture an
 	@mkdir -p out
 	@$(BIN)/cellctl demo --speed 10 --picture out/stool.png --report out/report.json
 
-test: setup-test firmware lint ## Lint, types, import layers and all tests but the long ones
+test: setup-test firmware ## Lint, types, import layers and all tests but the long ones
 	@scripts/test
 
 soak: setup-test firmware ## The long proofs; an hour or more
