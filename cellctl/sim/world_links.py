@@ -127,13 +127,19 @@ class LinkJudge:
         before = joints_rad if self._judged is None else self._judged
         self._judged = joints_rad.copy()
         way_m = float(np.abs(joints_rad - before).sum()) * _REACH_M
+        links = tubes(joints_rad.tolist(), self._model)
+        ends = self._seen(np.array([(tube.begin, tube.end) for tube in links]))
+        margins_m = np.array([tube.radius_m for tube in links])[:, None] + way_m
+        lows = (ends.min(axis=1) - margins_m).tolist()
+        highs = (ends.max(axis=1) + margins_m).tolist()
         found: set[Contact] = set()
-        for i, tube in enumerate(tubes(joints_rad.tolist(), self._model)):
-            points = self._points(tube)
-            solid = near(*_around(points, tube.radius_m + way_m))
-            if not solid or float(_gaps_m(points, solid).min()) - tube.radius_m > way_m - DEPTH_M:
+        for i, tube in enumerate(links):
+            solid = near(tuple(lows[i]), tuple(highs[i]))
+            if not solid:
                 continue
-            found |= self._closely(i, before, joints_rad, solid)
+            gap_m = float(_gaps_m(self._points(tube), solid).min()) - tube.radius_m
+            if gap_m <= way_m - DEPTH_M:
+                found |= self._closely(i, before, joints_rad, solid)
         return found
 
     def _closely(
@@ -154,14 +160,11 @@ class LinkJudge:
         """Points along the middle of a link, n x 3."""
         way = tube.end - tube.begin
         count = max(2, math.ceil(float(np.linalg.norm(way)) / _SPACING_M) + 1)
-        points = tube.begin + np.linspace(0.0, 1.0, count)[:, None] * way
+        return self._seen(tube.begin + np.linspace(0.0, 1.0, count)[:, None] * way)
+
+    def _seen(self, points: Floats) -> Floats:
+        """Points of the base frame, in the frame that solid things are in."""
         return np.asarray(points @ self._from_base[:3, :3].T + self._from_base[:3, 3])
-
-
-def _around(points: Floats, margin_m: float) -> tuple[Triple, Triple]:
-    ax, ay, az = (points.min(axis=0) - margin_m).tolist()
-    bx, by, bz = (points.max(axis=0) + margin_m).tolist()
-    return (ax, ay, az), (bx, by, bz)
 
 
 def _gaps_m(points: Floats, solid: list[tuple[Contact, Box]]) -> Floats:
