@@ -8,7 +8,7 @@ sentence, and what memory the process has:
 - ``sentences/everyday_*.txt``: what people say to assistants and to each other, and no request.
 - ``sentences/wishes.txt``: plain wishes for objects, each with the phrases that are right for it.
 
-- ``sentences/unseen.txt``: sentences of every kind with intent and right phrases.
+- ``sentences/unseen_*.txt``: sentences of every kind with intent and right phrases.
 - ``sentences/visitors_*.jsonl``: what families, carpenters, children, teachers and people whose
   English is not their first say and how recognisers hear it, with gold answers.
 - ``sentences/chatter.txt``: what visitors say to each other, each with a thing in it.
@@ -121,26 +121,26 @@ def wishes(verbose: bool) -> None:
 
 
 def unseen(verbose: bool) -> None:
-    """Sentences of every kind, their gold answers written before any of them was tried."""
-    right: Counter[str] = Counter()
-    total = 0
-    for line in _lines("unseen.txt"):
-        text, intent, phrases = (part.strip() for part in line.split("|"))
-        total += 1
-        request = understand(text)
-        gold = {"phrase": phrases.split("/"), "intent": intent, "count": request.count}
-        verdict = judge(gold, request)
-        right.update(aspect for aspect, good in verdict.items() if good)
-        if verbose and not all(verdict.values()):
-            sys.stdout.write(
-                f"{text!r}: {request.intent.value}, {request.phrase!r}; "
-                f"not {intent}, {phrases}; {request.why}\n"
-            )
-    figures = ", ".join(
-        f"{aspect} {100 * right[aspect] / total:.0f} %"
-        for aspect in ("decision", "phrase", "intent")
-    )
-    sys.stdout.write(f"unseen, {total} of every kind: {figures}\n")
+    """Sets of sentences of every kind, their gold answers written before any of them was tried."""
+    for path in sorted(SENTENCES.glob("unseen_*.txt")):
+        right: Counter[str] = Counter()
+        lines = _lines(path.name)
+        for line in lines:
+            text, intent, phrases = (part.strip() for part in line.split("|"))
+            request = understand(text)
+            gold = {"phrase": phrases.split("/"), "intent": intent, "count": request.count}
+            verdict = judge(gold, request)
+            right.update(aspect for aspect, good in verdict.items() if good)
+            if verbose and not all(verdict.values()):
+                sys.stdout.write(
+                    f"{text!r}: {request.intent.value}, {request.phrase!r}; "
+                    f"not {intent}, {phrases}; {request.why}\n"
+                )
+        figures = ", ".join(
+            f"{aspect} {100 * right[aspect] / len(lines):.0f} %"
+            for aspect in ("decision", "phrase", "intent")
+        )
+        sys.stdout.write(f"{path.stem}, {len(lines)} of every kind: {figures}\n")
 
 
 def visitors(verbose: bool) -> None:

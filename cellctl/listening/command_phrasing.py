@@ -83,7 +83,7 @@ _GRAMMAR = {
         r"(?:repeat|say) (?:it|that|this|yourself|the question|what you said)(?: again| once more| "
         rf"one more time)?|i (?:{_NOT}|couldn't|can't) (?:get|hear|catch|understand|follow)"
         r"(?: (?:it|that|you|what you said))?|what did you (?:just )?(?:say|ask)(?: just now)?|"
-        r"sorry what|(?:i )?beg your pardon|pardon me|say what|tell me (?:that )?again"
+        r"say again|sorry what|(?:i )?beg your pardon|pardon me|say what|tell me (?:that )?again"
     ),
     "again": (
         rf"redo(?: it| that)?|{_MAKE} (?:it|that|this|the same)(?: one| thing)? (?:again|once more|"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.numbers import read_number
 
 _UP = (
     "put together|come up with|put up|(?:whip|knock|rustle) up|(?:throw|knock|bang) together|"
@@ -121,6 +122,16 @@ _FRAMES = _frames(
     ("having", r"go for(?= an? )"),
     ("having", r"it (?:really )?(?:needs|could use|could do with)(?= an? )"),
     ("having", r"(?:i|we) ?(?:will|'ll|would|'d) go (?:for|with)(?= the )"),
+    (
+        "having",
+        r"(?:i|we) ?(?:shall|will|'ll|would like to|'d like to|want to) (?:have|choose|pick)"
+        r"(?= the )",
+    ),
+    (
+        "having",
+        r"(?:i|we) ?(?:shall|will|'ll|would|'d)? ?take"
+        rf"(?= the (?!stairs)(?:\w+ )?(?:{_FAMILY})\b)",
+    ),
     ("having", rf"{WHO} ?(?:would like|would love|'d like|'d love|wants?) to see(?= an? )"),
     ("having", rf"{WHO} ?(?:asks|asked|(?:was|were) (?:asking|hoping|longing)) for(?= an? )"),
     ("having", rf"{WHO} ?(?:would|'d) be (?:happy|glad|pleased|delighted) with"),
@@ -214,6 +225,8 @@ _FRAMES = _frames(
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
     ("making", r"(?:write|draw|show|display|form|spell)(?: (?:me|us))?"
                r"(?= (?:the|an?) (?:capital |big |small )?(?:letter|number|digit) \w+$)"),
+    ("having", r"(?:show|give) (?:me|us) your (?:very )?(?=best|biggest|finest|nicest|greatest)"
+               r"\w+"),
     ("making", rf"why (?:not|don't (?:you|we)|doesn't (?:it|he|she)) {MAKES}"),
     ("having", r"why (?:not|don't (?:we|i))(?: (?:have|get|try|go for))?(?= an? )"),
     ("having", r"(?:need|want|would like|would love|require|looking for|searching for)"
@@ -243,6 +256,12 @@ _SORT_OF_THING = re.compile(
     r"^(?:some|an?) (?:kind|sort|type) of (?:an? )?(?P<noun>\w+) (?:thing|thingy|affair)$"
 )
 _IN_3D = re.compile(r"\b(?:3|three) d (?=model|figure|object|shape|version|copy)")
+_OF_A_MENU = ("go for", "go with", "have", "choose", "pick", "take")
+_FURTHER = re.compile(r"^(?:(?:one|an?) )?(?:more|additional|extra|further) (?=[\w ]+$)")
+_OF_THOSE = re.compile(r"^(?P<number>\w+) of (?:those|these|the|your) (?=\w+s\b)")
+_BUT_WITH = re.compile(
+    r" (?:but|you know|i mean|say)(?: (?:like|you know|also))* (?=with(?:out)? )"
+)
 _THE = re.compile(r"^the (?!letter|number)")
 _LOOKS_LIKE = re.compile(r" looks? like$")
 _ANY = re.compile(r"^any(?: old)? ")
@@ -305,13 +324,24 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     for name, pattern in _FRAMES:
         if match := pattern.match(text):
             kind, text = name, text[match.end() :].strip()
-            if match[0].endswith(("go for", "go with")):
+            if match[0].endswith(_OF_A_MENU):
                 text = _THE.sub("a ", text)  # of what is on offer
             of_speaker = match[0].endswith("make me")
             break
     if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
         kind, text = "having", _ANY.sub("a ", match["wish"])
-    text = _IN_3D.sub("", text)
+    text = _plainly(text)
+    for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
+        if match := inner.match(text):
+            text = text[match.end() :].strip()
+    return Frame(kind, tuple(text.split()), of_speaker)
+
+
+def _plainly(text: str) -> str:
+    """A wish without what is said of how many more, of which kind and how exactly."""
+    text = _BUT_WITH.sub(" ", _FURTHER.sub("a ", _IN_3D.sub("", text)))
+    if (match := _OF_THOSE.match(text)) and read_number([match["number"]], 0):
+        text = f"{match['number']} {text[match.end() :]}"
     if match := _ONE_OF.match(text):
         *before, last = text[match.end() :].split() or [""]
         text = " ".join(["a", *before, singular(last) if "with" not in before else last])
@@ -321,11 +351,7 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     vague = _SORT_OF_THING.match(text)
     if vague and LEXICON.is_physical(vague["noun"]):
         text = f"a {vague['noun']}"
-    text = _KIND_OF.sub("a ", _LOOKS_LIKE.sub("", text))
-    for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
-        if match := inner.match(text):
-            text = text[match.end() :].strip()
-    return Frame(kind, tuple(text.split()), of_speaker)
+    return _KIND_OF.sub("a ", _LOOKS_LIKE.sub("", text))
 
 
 def is_question(words: tuple[str, ...]) -> bool:

@@ -22,9 +22,14 @@ _CORRECTION = (
 )
 _REPAIR_MARK = rf"(?:{_HESITATION} )*{_CORRECTION}(?: (?:{_HESITATION}|{_CORRECTION}))*"
 _NUMBER_REPAIR = re.compile(rf"\b(\w+) (\w+) {_REPAIR_MARK} (\w+) (\w+)\b")
-_COUNT_REPAIR = re.compile(rf"\b(?P<first>\w+) {_REPAIR_MARK} (?P<then>\w+)(?= (?P<noun>\w+))")
+_COUNT_REPAIR = re.compile(
+    rf"\b(?P<first>\w+) (?:{_REPAIR_MARK}|{_HESITATION}) (?P<then>\w+)(?= (?P<noun>\w+))"
+)
+_BARE_REPAIR = re.compile(rf"(?P<first>\w+) {_REPAIR_MARK} (?P<then>\w+)")
 _OBJECT_REPAIR = re.compile(
-    rf"\b(?:a|an|the) [a-z ]+? {_REPAIR_MARK} (?:i (?:want|need) )?((?:a|an|the) \w+)"
+    rf"\b(?:a|an|the) [a-z ]+? {_REPAIR_MARK} "
+    r"(?:(?:i (?:want|need)|(?:make|build|give|do)(?: me| us)?|let's have|have) )?"
+    r"((?:a|an|the) \w+)"
 )
 _RESTATED = re.compile(
     rf"\b(?:(?:an?|the) )?(?P<noun>\w+) (?:(?:{_HESITATION}|{_CORRECTION}|like) )*"
@@ -80,6 +85,8 @@ def repair(words: list[str]) -> list[str]:
     text = _COUNT_REPAIR.sub(_keep_later_count, text)
     text = _NUMBER_REPAIR.sub(_keep_later_number, text)
     text = _OBJECT_REPAIR.sub(lambda match: match[1], text)
+    if (bare := _BARE_REPAIR.fullmatch(text)) and {bare["first"], bare["then"]} <= LEXICON.families:
+        return [bare["then"]]  # "table no chair"
     return text.split()
 
 
@@ -125,6 +132,8 @@ def read_phrase(words: Sequence[str], size_spans: Sequence[tuple[int, int]]) -> 
             and not set(kept[start:end]) & _GLYPHS
         ):
             break
+        if end > start and determiner in ("a", "an") and kept[end] in ("the", "my", "your", "our"):
+            break  # "a bench the length of my arm"
         if end > start and (is_participle(kept, end) or _follows_noun(kept, end)):
             break
         end += 1
@@ -152,6 +161,8 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     ``a throne fit for``; or does something with it: ``a desk make it``."""
     word, after = words[index], words[index + 1 : index + 2]
     entry = look_up(word)
+    if word in ("twice", "half") and after[:1] in (["as"], ["the"]):
+        return True
     if word in _AFTER_NOUNS and (not after or after[0] in LEXICON.enders or _counts(words, index)):
         noun = singular(words[index - 1])
         return judge((noun,), noun).physical is True  # "a table small"

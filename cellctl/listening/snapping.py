@@ -7,6 +7,7 @@ stands there makes no sense in that place. Every correction is kept, so that it 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from difflib import SequenceMatcher
 
 from cellctl.assembly import Correction
 from cellctl.listening.lexicon import LEXICON, singular
@@ -59,6 +60,7 @@ _SOUNDS = (
     *(("qu", "kw"), ("x", "ks"), ("ce", "se"), ("ci", "si"), ("cy", "sy"), ("c", "k"), ("z", "s")),
     *(("gh", ""), ("v", "f"), ("mb", "m")),
 )
+_ALIKE = 0.8
 _VOWELS = "aeiouyhw"
 
 
@@ -261,8 +263,14 @@ def _owner(rest: list[str], word: str) -> str | None:
         owners = _OWNERS.get(LEXICON.parts.get(singular(noun), ""), ())
         if owners and (word not in LEXICON.families or word == "letter"):
             sound = unvoiced_sound_of(word)
-            return next((o for o in owners if unvoiced_sound_of(o) == sound), None)
+            heard = next((o for o in owners if unvoiced_sound_of(o) == sound), None)
+            return heard or next((o for o in owners if _spelled_like(o, word)), None)
     return None
+
+
+def _spelled_like(noun: str, word: str) -> bool:
+    """``shell`` and ``shelf``: one letter apart."""
+    return len(noun) > 3 and SequenceMatcher(None, noun, word).ratio() >= _ALIKE
 
 
 def _correct_letter(snapped: Snapped) -> None:
@@ -270,7 +278,11 @@ def _correct_letter(snapped: Snapped) -> None:
     for index in range(len(words) - 1):
         name = words[index + 1]
         last = index + 2 == len(words) or words[index + 2] in LEXICON.enders | LEXICON.fillers
-        if words[index] in ("latter", "lettuce", "ladder") and len(name) == 1 and last:
+        if (
+            words[index] in ("latter", "lettuce", "ladder", "litter", "leather")
+            and len(name) == 1
+            and last
+        ):
             snapped.replace(index, index + 1, "letter")
         if words[index] in ("letter", "capital") and name in LEXICON.spelled and last:
             snapped.replace(index + 1, index + 2, LEXICON.spelled[name].lower())

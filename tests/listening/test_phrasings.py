@@ -30,6 +30,11 @@ THINGS = ("bench", "windmill")
         "what we dream of at home is a {}",
         "our guide says you should make a {}",
         "is a {} doable",
+        "we shall have the {}",
+        "the last one the {}",
+        "it would please me if you built a {}",
+        "anything for the garden such as a {}",
+        "two of us waited for hours so a {} please",
         "a {} small and red",  # it is described from behind
         "need {}",  # no subject, no article
         "urm I ehm want a {}",
@@ -69,6 +74,10 @@ def test_the_same_order_may_tell_of_something(sentence: str) -> None:
     [
         ("a desk big enough for two of us", "desk"),
         ("a crate fit for apples", "crate"),
+        ("a ladder the height of my car", "ladder"),
+        ("a stool with three uh four legs", "stool with four legs"),
+        ("make a car oh no make a bench", "bench"),
+        ("six of those crates", "six crates"),
         ("make a stool with three legs and paint it red", "stool with three legs"),
         ("build a desk. make it one metre wide", "desk"),
         ("a model of the bridge of london", "model of the bridge of london"),

@@ -7,6 +7,10 @@ import re
 from cellctl.listening.understanding.edit_words import BASES
 
 _QUALITY = "|".join(sorted(BASES.keys() - {"height", "width", "depth", "length", "size", "little"}))
+_ADDED_PARTS = (
+    r"(?:back|backrest|lid|arm|armrest|drawer|leg|step|tier|chimney|roof|door|handle|cushion|"
+    r"railing)"
+)
 _IT = r"(?P<it>it|that|this|them|the \w+(?: \w+)?)"
 _BETTER = r"(?:better|nicer|nice|great|good|cool|best)"
 _WOULD_BE = r"(?:it (?:would|might|could) be|it'd be)"
@@ -133,7 +137,7 @@ _REWRITES = tuple(
             r"(?P<rest>(?:\w+ more|another|an extra|an additional) \w+)",
             "add {rest}",
         ),
-        (rf"(?:how|what) about (?P<rest>{_NUMBER} \w+)", "{rest}"),
+        (rf"(?:how|what) about (?P<rest>{_NUMBER} \w+)(?: instead| then)?", "{rest}"),
         (r"(?:can|could|should|may) (?:it|that|this) have (?P<rest>.+)", "with {rest}"),
         (r"try (?:it|that) (?P<rest>(?:with|without) .+)", "{rest}"),
         (rf"{_IT} could do with being (?P<rest>.+)", "make {it} {rest}"),
@@ -259,8 +263,28 @@ _REWRITES = tuple(
             rf"(?:cut|saw|trim|get|do) {_IT} (?P<rest>(?:a bit |a little |much )?\w+er)",
             "make {it} {rest}",
         ),
+        (
+            rf"(?P<rest>an? {_ADDED_PARTS}) (?:would|might|will) (?:be|look) {_BETTER}",
+            "add {rest}",
+        ),
+        (rf"(?:and|plus|also|with) (?:maybe |perhaps )?(?P<rest>an? {_ADDED_PARTS})", "add {rest}"),
+        (
+            rf"(?:it|that) (?:wants|lacks|is missing|could do with) (?P<rest>an? {_ADDED_PARTS})",
+            "add {rest}",
+        ),
+        (
+            r"(?:it's |that's |it is )?(?:too \w+|not \w+ enough) (?:so )?(?P<rest>make (?:it|"
+            r"that) .+)",
+            "{rest}",
+        ),
         (rf"(?P<rest>{_NUMBER}) of (?:them|these|those)", "make that {rest}"),
         (rf"make (?P<rest>{_NUMBER})", "make that {rest}"),
+        (
+            r"(?:needs to|has to|ought to|wants to|should|must|could|might) be "
+            r"(?P<rest>(?!an? (?!bit|little|lot|tad)).+)",
+            "make it {rest}",
+        ),
+        (r"(?:the )?same(?: one| thing)? in (?P<rest>\w+er)", "make it {rest}"),
         (
             r"(?:put|add|stick|place|set) (?P<rest>an? \w+) on (?:top|it|there)(?: of it)?",
             "add {rest}",

@@ -51,7 +51,7 @@ _GOVERNS = frozenset(
      "until", "before", "after", "while", "unless", "things", "thing", "asked", "told"}
 )  # fmt: skip
 """After these a clause tells or depends, and asks for nothing."""
-_PRAISED = re.compile(rf"\b(?:an?|some) (?:\w+ ){{1,3}}(?:{WOULD_DO})\b")
+_PRAISED = re.compile(rf"\b(?:an?|some|any) (?:\w+ ){{1,3}}(?:{WOULD_DO})\b")
 _THEREFORE = re.compile(
     r"\b(?:so|then|but|therefore|ah|aha|yes|yeah|i know|i've got it|i mean) (?:maybe |perhaps |"
     r"just |i guess )*(?=(?:an?|the) )"
@@ -110,6 +110,7 @@ def readings(words: Sequence[str], clauses: Sequence[Sequence[str]]) -> Iterator
     yield from _of_clauses(plain, clauses, shown=shown)
     for pattern in (_ANCHOR, _PRAISED, _THEREFORE):
         yield from _anchored(bare, pattern)
+    yield from _with_please(words)
     if (named := _named_before(bare)) is not None:
         yield named
     for wish in recast(bare):
@@ -205,6 +206,19 @@ def _anchored(text: str, pattern: re.Pattern[str]) -> Iterator[Reading]:
             continue
         wish = text[match.start() :] if pattern is not _THEREFORE else text[match.end() :]
         yield Reading(tuple(without_asides(wish).split()), asks=pattern is not _THEREFORE)
+
+
+def _with_please(words: Sequence[str]) -> Iterator[Reading]:
+    """``we have waited so long so a simple table please``: "please" asks for what stands before."""
+    for index in reversed(range(1, len(words) - 1)):
+        if words[index] not in ("a", "an"):
+            continue
+        before = look_up(words[index - 1])
+        governed = words[index - 1] in LEXICON.enders - {"so"} or (
+            before is not None and before.parts[:1] == "v"
+        )
+        if words[index - 1] == "please" or (words[-1] == "please" and not governed):
+            yield Reading(tuple(word for word in words[index:] if word != "please"), asks=False)
 
 
 def _named_before(text: str) -> Reading | None:

@@ -22,7 +22,7 @@ _FRONTED = frozenset({"with", "without", "in", "for", "about", "having"})
 _PRONOUNS = frozenset({"i", "we", "you", "he", "she", "they", "it", "there", "this", "that"})
 _MOST_IN_FRONT = 8
 _AS_SUBJECT = re.compile(
-    r"(?P<thing>(?:an?|some|two|three|four) (?:[\w']+ ){1,5}?)(?:"
+    r"(?P<wish>(?:an?|some|two|three|four) (?:[\w']+ ){1,5}?)(?:"
     r"(?:would|could|might|'d|should) (?:(?:really|just|also|probably|certainly|surely|perhaps) )*"
     r"(?:be (?!an?\b|in\b|at\b)|fit|look|go\b|work|match|brighten|complete|finish|please|solve|"
     r"save|"
@@ -70,22 +70,32 @@ _ONE = re.compile(
     r"(?: me| us)? (?:a |an |another )?(?P<new>(?:\w+ )?)(?:one|some|it|that)(?: for .+| please)?"
 )
 _DECIDED = re.compile(
-    r".*\b(?:settled|decided|agreed|voted|opted|settling|deciding|voting|set|fixed|hooked|dead set|"
+    r".*\b(?:(?:settled|decided|agreed|voted|opted|settling|deciding|voting|set|fixed|hooked|"
+    r"dead set|"
     r"keen|asking|asked|begging|pining|longing|crying|heart|mind|sights)(?: myself|"
-    r" ourselves)? (?:on|for|upon) "
+    r" ourselves)? (?:on|for|upon)|(?:lines|thinking|dreaming|fond|fans?) of) "
     r"(?P<wish>an? .+)"
 )
 _SUGGESTED = re.compile(
-    r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<thing>an? (?:\w+ ){1,4}?)"
+    r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<wish>an? (?:\w+ ){1,4}?)"
     r"(?:be|look|fit|help|work|do|suit|go|make)\b.*|(?:is|would|are) (?P<asked>an? (?:\w+ ){1,4}?)"
     r"(?:be )?(?:doable|possible|feasible|available|an option|on the menu|too (?:hard|difficult|"
     r"much))"
     r"(?: .*)?"
 )
 _CLEFT = re.compile(
-    r"what (?:i|we|he|she|they|(?:my|our|the) \w+)(?!.*\b(?:saw|bought|had|broke|found|lost|sold|"
+    r"(?:what|the (?:\w+ )?thing)(?: that)? (?:i|we|he|she|they|(?:my|our|the) \w+)(?!.*\b(?:saw|"
+    r"bought|had|broke|found|lost|sold|"
     r"got|ate|"
     r"heard|hate|own|have|made|built|see)\b) .+? (?:is|was|would be) (?P<wish>an? .+)"
+)
+_IF_YOU = re.compile(
+    r"(?:it'd|it would|i'd|i would|we'd|we would|how|what|would) .*\bif you (?:could |would |"
+    r"please )*"
+    rf"(?:built|made|created|designed|assembled|{MAKES})(?: me| us)? (?P<wish>an? .+)"
+)
+_SUCH_AS = re.compile(
+    r"(?:something|anything)(?: \w+){1,6} (?:like|such as|for example|say) (?P<wish>an? .+)"
 )
 _REPORTED = re.compile(
     r".*\b(?:says?|said|thinks?|thought|told (?:me|us)|suggests?|suggested|meant)(?: that)? "
@@ -94,11 +104,16 @@ _REPORTED = re.compile(
 )
 _VOTE = re.compile(
     r"(?:my|our|his|her) (?:\w+ )?(?:vote|choice|pick|wish|favou?rite|idea|suggestion|guess|order)"
-    r"(?:'s| is| goes| would be| was)(?: (?:for|to|on))? (?:the|an?) (?P<noun>.+)"
+    r"(?:'s| is| goes| would be| was)(?: (?:for|to|on))? (?:the|an?) (?P<wish>.+)"
 )
 _NOT_THIS = re.compile(
     r"(?:no )*(?:not|i don't want|i didn't (?:want|say|mean)) (?:the|an?|that) \w+ "
     r"(?:(?:but|rather|instead|i (?:said|meant|wanted|want)) )*(?P<wish>an? .+)"
+)
+_MADE_ONE = re.compile(rf"{MAKES}$")
+_VAGUE = re.compile(
+    rf"(?:.* )?(?:{MAKES}|want|need|like|love|give me|think of|try) (?:something|anything) "
+    r"(?:.* )?(?P<last>\w+) (?P<wish>an? (?:\w+ ){0,3}?\w+)(?: maybe| perhaps)?"
 )
 _LACKS = re.compile(
     r"\b(?:no|not|don't|doesn't|haven't|without|lack|lost|broke|broken|need|needs|want|wants|like|"
@@ -114,28 +129,28 @@ def recast(text: str) -> Iterator[str]:
     """
     if (one := _named_earlier(text)) is not None:
         yield f"make {one}"
-    if (match := _VOTE.fullmatch(text)) is not None and _is_thing(match["noun"]):
-        yield f"i want a {match['noun']}"
-    for pattern in (_NOT_THIS, _NEEDED, _CLEFT, _REPORTED):
-        if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
-            yield f"i want {match['wish']}"
+    yield from _wished(text, (_VOTE, _NOT_THIS, _NEEDED, _CLEFT, _IF_YOU, _REPORTED))
     if speaks_against(text):
         return
     yield from (f"i want {wish}" for wish in _fronted(text.split()))
-    if (match := _AS_SUBJECT.fullmatch(text)) is not None and _is_thing(match["thing"]):
-        yield f"i want {match['thing'].strip()}"
-    if (match := _SUGGESTED.fullmatch(text)) is not None:
-        thing = (match["thing"] or match["asked"]).strip()
-        if _is_thing(thing):
-            yield f"i want {thing}"
-    for pattern in (_BECOMES, _JOY, _DECIDED):
-        if (match := pattern.fullmatch(text)) is not None and _is_thing(match["wish"]):
-            yield f"i want {match['wish']}"
+    yield from _wished(text, (_AS_SUBJECT, _SUGGESTED, _BECOMES, _JOY, _DECIDED, _SUCH_AS))
+    match = _VAGUE.fullmatch(text)
+    if match is not None and match["last"] not in LEXICON.enders and _is_thing(match["wish"]):
+        yield f"i want {match['wish']}"
     match = _CHOOSES.fullmatch(text)
     if match is not None and match["verb"] in _CHOOSING:
         head = _head_of(match["wish"])
         if match["verb"] not in _WEAK or head in LEXICON.families | FURNISHING:
             yield f"i want {match['wish']}"
+
+
+def _wished(text: str, patterns: Sequence[re.Pattern[str]]) -> Iterator[str]:
+    """What stands in the patterns' groups, where that is a thing."""
+    for pattern in patterns:
+        match = pattern.fullmatch(text)
+        wish = next((group for group in match.groups() if group), "").strip() if match else ""
+        if wish and _is_thing(wish):
+            yield f"i want {wish}" if wish.split()[0] in _ARTICLES else f"i want a {wish}"
 
 
 def _fronted(words: Sequence[str]) -> Iterator[str]:
@@ -174,7 +189,10 @@ def _is_thing(wish: str) -> bool:
 def _named_earlier(text: str) -> str | None:
     """``i don't have a desk so please make one``: a desk; ``my stool broke, build a new one``."""
     match = _ONE.fullmatch(text)
-    if match is None or not _LACKS.search(match["before"]):
+    if match is None:
+        return None
+    made = _MADE_ONE.search(match["ask"]) and text.rsplit(maxsplit=1)[-1] == "one"
+    if not made and not _LACKS.search(match["before"]):
         return None
     words = match["before"].split()
     for index in reversed(range(len(words))):

@@ -108,7 +108,13 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
     named = around | {singular(word) for word in around}
     if named & words.elsewhere and not for_a_room:
         return "it speaks of services"
-    if after[:1] == ["for"] and set(after[1:2]) & _PEOPLE and set(after[2:3]) <= _AFTER_PEOPLE:
+    seats = head in LEXICON.families - {"table"}
+    if (
+        not seats
+        and after[:1] == ["for"]
+        and set(after[1:2]) & _PEOPLE
+        and set(after[2:3]) <= _AFTER_PEOPLE
+    ):
         return "it reserves a place for people"
     if after[:3] == ["by", "the", "window"]:
         return "it reserves a place"

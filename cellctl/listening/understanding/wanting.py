@@ -103,13 +103,17 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
     between = phrase.rest[:1] in (("between",), ("among",))
     if (figure or between) and _is_idea(phrase.rest[-1]):
         return no("it is a figure of speech")
+    if phrase.rest[-2:] in (("one", "day"), ("some", "day")) or phrase.rest[-1:] == ("someday",):
+        return no("it is for another day")
     if phrase.rest[:1] == ("and",) and len(phrase.rest) == 2 and _is_idea(phrase.rest[1]):
         return no("with an idea it makes one, too")  # "a bed and breakfast"
     if frame.kind == "having" and "where" in phrase.rest:
         return no("it asks where something is")
     if head == "machine" and phrase.rest[:1] == ("like",):
         return no("it speaks of this machine")
-    if phrase.determiner in _POINTING:
+    if phrase.determiner in _POINTING or (
+        phrase.rest[:1] == ("with",) and set(phrase.rest[1:]) <= _POINTING | {"it"}
+    ):
         return no("it points at something that is there")
     if frame.kind != "making":
         why = served_instead(
