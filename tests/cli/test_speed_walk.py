@@ -302,7 +302,7 @@ def test_all_eight_cells_of_the_papers_table_come_out(model: str) -> None:
     [
         ([(2, 2, 0), (2, 2, 1), (3, 2, 1)], {}, r"part at \[3, 2, 1\] stands could not be felt"),
         ([(2, 2, 0)], {"touch_depth_m": 0.0}, "could not be felt"),
-        ([(2, 0, 0)], {}, "too fast for the arm's joints"),
+        ([(2, 0, 0)], {"joint_speed_fraction": 0.25}, "too fast for the arm's joints"),
     ],
 )
 def test_a_trial_that_would_tell_nothing_is_refused(

@@ -151,6 +151,8 @@ class Visitor:
 def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
     """A visitor before a cell that speaks, and hears itself."""
     sections = hearing(activation, SPEED, loudspeaker="spk")
+    # A browser and a recogniser beside it, and other tests: see the option.
+    sections["robot"] = {"real_time_priority": 5}
     with people(echo_db=ECHO_DB) as speakers, visit(speed=SPEED, **sections) as there:
         plots = PLOTS[activation]
         speakers.prepare("hey mycroft", "yes", "take it apart", SHORT.wish, SHORT.change)
