@@ -176,11 +176,11 @@ def test_in_local_control_the_network_is_not_obeyed(robot: Clients, emulator: Em
 def test_a_killed_program_brakes_the_arm(robot: Clients, emulator: Emulator) -> None:
     start_moving(robot)
     emulator.inject("kill_program")
+    wait_until(lambda: emulator.truth()["program"] == "STOPPED")
     robot.wait_rest()
+    wait_until(lambda: emulator.truth()["braking"]["at_rest"])
     truth = emulator.truth()
-    assert truth["program"] == "STOPPED"
     assert truth["braking"]["cause"] == "killed"
-    assert truth["braking"]["at_rest"]
     assert 0.0 < truth["braking"]["distance_m"] < 0.02
     restart(robot)
 
