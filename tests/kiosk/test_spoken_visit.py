@@ -104,11 +104,11 @@ class Visitor:
                 now.state.state == "validating_confirming"
                 and now.dialogue.line is not None
                 and title.lower() in now.dialogue.line.text.lower()
+                and QUESTION in now.dialogue.line.text
             ),
         )
         assert asked.dialogue.line is not None
         text = asked.dialogue.line.text
-        assert QUESTION in text
         self.page.phase("asking")
         self.page.says(text)
         self.cell.wait("those words", lambda now: text in now.voice.saying or text in self.said())
