@@ -23,8 +23,7 @@ _FOR_ME = (
 MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
 WHO = (
     r"(?:i|we|you(?! ?(?:'d|would|need|want|might)\b)|they|he|she|me(?= wants?\b)|"
-    r"one(?= (?:needs|wants)\b)|"
-    r"(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
+    r"one(?= (?:needs|wants)\b)|(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
     r"mommy|daddy|mum|mom|dad|grandma|grandpa|granddad|granny|somebody|someone)"
 )
 WANT = (
@@ -44,9 +43,7 @@ _FAMILY = "|".join(sorted(LEXICON.families))
 _GET = r"(?:get|give to|give|bring|fetch|hand|lend|show|grant)"
 POLITE = (
     r"(?:can|could|would|will|won't|can't|couldn't) (?:you|(?:the|your|this|that) (?:robot|"
-    r"machine|thing)"
-    r"(?: arm)?)(?: please)?"
-    r"(?: just| maybe| possibly)?"
+    r"machine|thing)(?: arm)?)(?: please)?(?: just| maybe| possibly)?"
 )
 _NICE = (
     "(?:great|nice|lovely|good|cool|awesome|perfect|handy|useful|fun|better|amazing|welcome|ideal|"
@@ -61,8 +58,7 @@ _STOCKED = (
     r"cabinet|"
     r"cupboard|rack|dresser|wardrobe|throne|nightstand|(?:\w+ )(?:table|stand|bed)|footstool)\b|"
     r" (?<!sell )(?:any )?(?:stools|chairs|armchairs|benches|sofas|desks|tables|beds|shelves|"
-    r"bookcases|"
-    r"cupboards|ladders|boxes)\b(?: please)?$)"
+    r"bookcases|cupboards|ladders|boxes)\b(?: please)?$)"
 )
 """What a shop may be asked whether it has; a dog or a minute is not meant to be built."""
 _LEADS = re.compile(
@@ -80,14 +76,12 @@ _LEADS = re.compile(
     r"i wonder (?:if|whether)|i hope|"
     r"i (?:would|'d) (?:be happy|be glad|appreciate it|love it) if|i'd (?:be happy|be glad|"
     r"appreciate it|love it) if|it would be (?:great|nice|lovely|good|cool|awesome) if"
-    r"(?= i\b| we\b)|"
-    r"(?:\w+|(?:my|our|the|his|her) \w+) says (?=(?:he|she|they)\b)|"
+    r"(?= i\b| we\b)|(?:\w+|(?:my|our|the|his|her) \w+) says (?=(?:he|she|they)\b)|"
     r"i bet (?:that )?you (?:can't|couldn't|cannot|could never)(?= )|do you know how to|"
     r"do you think|(?:(?:would|is) it|it is) (?:be )?possible(?: for you)?(?= to\b)|"
     r"is there (?:any|a) way(?:(?: that)? you (?:could|can)|"
     r"(?= to\b))|are you able(?= to\b)|do you mind|go ahead and|try (?:to|and)|start by|"
-    r"i (?:want|need|would like|'d like) you to (?:try to|please|go ahead and)(?= )|just|"
-    r"to) )+"
+    r"i (?:want|need|would like|'d like) you to (?:try to|please|go ahead and)(?= )|just|to) )+"
 )
 Kind = Literal["making", "having", "bare"]
 
@@ -100,8 +94,7 @@ _FRAMES = _frames(
     # "I want you to build", "my daughter wants", "we would like to have".
     (
         "making",
-        rf"{WHO} ?{WANT}(?: you| the robot| the machine)?(?: please)? to (?:please |just )?"
-        rf"{MAKES}",
+        rf"{WHO} ?{WANT}(?: you| the robot| the machine)?(?: please)? to (?:please |just )?{MAKES}",
     ),
     ("making", rf"{WHO} ?{WANT} that you {MAKES}"),
     ("having", rf"{WHO} ?{WANT}(?: to)? (?:have|order|get|own)"),
@@ -238,8 +231,7 @@ _FRAMES = _frames(
 )  # fmt: skip
 _QUESTION_FRAMES = re.compile(
     r"(?:is|are|am|do|does|did|was|were|have|has|had|should|shall|isn't|aren't|don't|doesn't|"
-    r"didn't|"
-    r"can|could|may|will|would|won't|might) "
+    r"didn't|can|could|may|will|would|won't|might) "
     r"(?:you|it|there|this|that|these|those|i|we|he|she|they|the|a|an|my|your|his|her|our|kids|"
     r"anyone|anybody|somebody|someone)\b"
 )

@@ -16,8 +16,7 @@ _CORRECTION = (
     r"(?:(?:no|actually) make (?:it|that)|(?:no )?scrap that|(?:no )?forget (?:that|it)|no "
     r"wait|wait no|"
     r"(?:no )?(?:hang|hold) on|no sorry|sorry|i mean|i meant|no|nope|nah|or rather|or better|"
-    r"rather|"
-    r"better|make (?:that|it)|actually|wait|on second thoughts?|correction|"
+    r"rather|better|make (?:that|it)|actually|wait|on second thoughts?|correction|"
     r"(?:no )?(?:scratch|strike|ignore|drop|cancel) (?:that|it)|i take (?:that|it) back)"
 )
 _REPAIR_MARK = rf"(?:{_HESITATION} )*{_CORRECTION}(?: (?:{_HESITATION}|{_CORRECTION}))*"

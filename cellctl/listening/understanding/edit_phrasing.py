@@ -25,8 +25,7 @@ _HAVING = (
 )
 _ENOUGH = (
     r"(?:would|will|might|'ll) (?:be (?:better|nicer|nice|enough|fine|great|good|plenty)|do|"
-    r"suffice)|"
-    r"(?:is|are) (?:enough|better|plenty|fine)"
+    r"suffice)|(?:is|are) (?:enough|better|plenty|fine)"
 )
 _UNITS = (
     r"(?:blocks?|voxels?|cubes?|bricks?|cm|mm|m|(?:centi|milli)?met(?:re|er)s?|"
@@ -42,8 +41,7 @@ _REWRITES = tuple(
     for pattern, plain in (
         (
             rf"{_HAVING}(?:only |just )?(?P<rest>{_NUMBER} \w+) (?:instead of|rather than|"
-            rf"(?:and |but )?not)"
-            rf" {_NUMBER}(?: \w+)?",
+            rf"(?:and |but )?not) {_NUMBER}(?: \w+)?",
             "with {rest}",
         ),
         (rf"(?P<rest>{_NUMBER} \w+) (?:{_ENOUGH})(?: instead| please)?", "with {rest}"),
@@ -84,14 +82,12 @@ _REWRITES = tuple(
             r"(?:can|could|may) (?:i|we) have|(?:do|would) you have|give (?:me|us)|show (?:me|us)|"
             r"make(?: me| us)?|try|how about|what about|i was thinking of) )?"
             r"(?:an?|something|one that's|one that is) (?P<rest>(?:much |slightly |little |bit "
-            r"|a bit |a little )?\w+er)"
-            r"(?: (?:one|version|model|design))?",
+            r"|a bit |a little )?\w+er)(?: (?:one|version|model|design))?",
             "make it {rest}",
         ),
         (
             r"(?:keep|leave|i like) (?:it|that|this)(?: (?:as it is|like that|like this|the "
-            r"same|that way))?"
-            r"(?: but| only| just| and) (?P<rest>.+)",
+            r"same|that way))?(?: but| only| just| and) (?P<rest>.+)",
             "{rest}",
         ),
         (
@@ -116,8 +112,7 @@ _REWRITES = tuple(
         (rf"{_IT} (?:wants|needs|ought|has) to be (?P<rest>.+)", "make {it} {rest}"),
         (
             r"(?:(?:that's|it's|that is|it is|that looks|it looks|looks) )?(?:quite |very |"
-            r"really )?"
-            r"(?:nice|good|great|lovely|fine|okay|ok|pretty|cool|perfect|right|close)"
+            r"really )?(?:nice|good|great|lovely|fine|okay|ok|pretty|cool|perfect|right|close)"
             r"(?: but| only| just| except) (?P<rest>.+)",
             "{rest}",
         ),
@@ -224,8 +219,7 @@ _REWRITES = tuple(
         (r"(?P<rest>.+) than (?:that|this|it is|it was|before|now)", "{rest}"),
         (
             r"(?:make (?:it|that|this) )?as (?P<rest>\w+) as (?:possible|you can|it gets|it goes|"
-            r"me|you|"
-            r"him|her|(?:an?|my|your|the) \w+)",
+            r"me|you|him|her|(?:an?|my|your|the) \w+)",
             "make it more {rest}",
         ),
         (
@@ -241,8 +235,7 @@ _REWRITES = tuple(
         ),
         (
             rf"(?:make|build|get|keep|want) {_IT} (?:to be )?(?:(?:very|really|super|so|extra|"
-            rf"quite|"
-            rf"pretty|nice and|all|more|\w+ly) )*(?P<rest>{_QUALITY})",
+            rf"quite|pretty|nice and|all|more|\w+ly) )*(?P<rest>{_QUALITY})",
             "make {it} more {rest}",
         ),
         (
@@ -305,8 +298,7 @@ _REWRITES = tuple(
         ),
         (r"i (?:want|need) (?P<rest>\w+) of (?:them|these|those)", "make that {rest}"),
         (
-            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be) "
-            r"(?P<rest>an? .+)",
+            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be) (?P<rest>an? .+)",
             "make it {rest}",
         ),
     )

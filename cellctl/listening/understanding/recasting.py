@@ -33,8 +33,7 @@ _AS_SUBJECT = re.compile(
 )
 _NEEDED = re.compile(
     r"(?:(?:it|there|here|what)(?:'s| is| would be)?|is)(?: \w+)? (?:needed|wanted|required|"
-    r"missing|needs|"
-    r"wants|lacks|lacking)(?: (?:here|now|is))? (?P<wish>(?:an?|some|two|three) .+)"
+    r"missing|needs|wants|lacks|lacking)(?: (?:here|now|is))? (?P<wish>(?:an?|some|two|three) .+)"
 )
 _BECOMES = re.compile(
     r"(?:it|that|this|he|she|they)(?:'ll| will| should| must| has to| needs to| ought to| shall|"
@@ -71,22 +70,18 @@ _ONE = re.compile(
 )
 _DECIDED = re.compile(
     r".*\b(?:(?:settled|decided|agreed|voted|opted|settling|deciding|voting|set|fixed|hooked|"
-    r"dead set|"
-    r"keen|asking|asked|begging|pining|longing|crying|heart|mind|sights)(?: myself|"
-    r" ourselves)? (?:on|for|upon)|(?:lines|thinking|dreaming|fond|fans?) of) "
-    r"(?P<wish>an? .+)"
+    r"dead set|keen|asking|asked|begging|pining|longing|crying|heart|mind|sights)(?: myself|"
+    r" ourselves)? (?:on|for|upon)|(?:lines|thinking|dreaming|fond|fans?) of) (?P<wish>an? .+)"
 )
 _SUGGESTED = re.compile(
     r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<wish>an? (?:\w+ ){1,4}?)"
     r"(?:be|look|fit|help|work|do|suit|go|make)\b.*|(?:is|would|are) (?P<asked>an? (?:\w+ ){1,4}?)"
     r"(?:be )?(?:doable|possible|feasible|available|an option|on the menu|too (?:hard|difficult|"
-    r"much))"
-    r"(?: .*)?"
+    r"much))(?: .*)?"
 )
 _CLEFT = re.compile(
     r"(?:what|the (?:\w+ )?thing)(?: that)? (?:i|we|he|she|they|(?:my|our|the) \w+)(?!.*\b(?:saw|"
-    r"bought|had|broke|found|lost|sold|"
-    r"got|ate|"
+    r"bought|had|broke|found|lost|sold|got|ate|"
     r"heard|hate|own|have|made|built|see)\b) .+? (?:is|was|would be) (?P<wish>an? .+)"
 )
 _IF_YOU = re.compile(
