@@ -13,7 +13,7 @@ import pytest
 from cellctl.assembly import Cell
 from cellctl.speaking.voices import speak_to_wav
 from cellctl.validating.rules import pieces
-from tests.cell.harness import RunningCell, running_cell
+from tests.cell.harness import RunningCell, bar, running_cell
 
 pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 
@@ -131,9 +131,10 @@ def test_a_silent_recording(idle: RunningCell, tmp_path: Path) -> None:
 
 
 def test_stop_is_heard_while_building(idle: RunningCell, tmp_path: Path) -> None:
-    idle.visitor.say("the letter T")
+    stop = spoken("stop", tmp_path)
+    idle.client.build("block.json", bar(3, 3, 2))  # which takes longer than hearing a word
     idle.wait_state("assembling_placing")
-    idle.visitor.hear(*spoken("stop", tmp_path))
+    idle.visitor.hear(*stop)
     snapshot = idle.wait_state("paused_resting")
     assert not snapshot.arm.moving
     idle.client.command("resume")

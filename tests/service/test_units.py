@@ -117,7 +117,7 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
         "journal": base.journal.model_copy(update={"path": "/var/lib/cellctl/journal.db"}),
     }
     write_config(base.model_copy(update=changes), target.root / "etc/cellctl/cell.toml")
-    (target.root / "opt/cellctl/bar.json").write_bytes(bar(1, 1, 2))
+    (target.root / "opt/cellctl/bar.json").write_bytes(bar(2, 1, 3))
     shutil.copy(REPOSITORY / "tests/service/probe.py", target.root / "opt/cellctl/probe.py")
     # The machine has a /tmp of its own, and the repository may lie in ours.
     for name in ("scripts", "cellctl", "docs", "config", "systemd"):
@@ -216,14 +216,15 @@ def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) ->
     assert "refused: a job is under way" in refusal.stderr
     wait(cell, "the object", lambda: built(cell))
     truth = json.loads(cell.run("cellctl", "sim", "truth").stdout)
-    assert sorted(truth["built"]) == [[0, 0, 0], [0, 0, 1]]  # nearest to the station
+    # Nearest to the station.
+    assert sorted(truth["built"]) == [[x, 0, z] for x in (0, 1) for z in (0, 1, 2)]
     assert truth["violations"] == []
 
     cell.run("systemctl", "kill", "--kill-who=main", "--signal=STOP", "cellctl.service")
     wait(cell, "a restart", lambda: cell.property_of("cellctl.service", "NRestarts") == "1")
     wait(cell, "the daemon", lambda: cell.property_of("cellctl.service", "ActiveState") == "active")
     snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
-    assert len(snapshot["standing"]) == 2, f"{snapshot}\n{cell.log_tail()}"
+    assert len(snapshot["standing"]) == 6, f"{snapshot}\n{cell.log_tail()}"
 
     cell.run("systemctl", "stop", "cellctl.service")
     assert cell.property_of("cellctl.service", "Result") == "success"
