@@ -8,7 +8,7 @@ frame in which it is a plain box, and the line is tested there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -285,11 +285,14 @@ class Surroundings:
         if part_at_station:
             groups.append(self._station)
         if placed:
-            cells = sorted(placed)
-            low = np.array(cells, dtype=np.float64) * self._pitch_m
-            names = tuple(f"the part at [{c.x}, {c.y}, {c.z}]" for c in cells)
-            groups.append(Obstacles(self._workspace_from_base, names, low, low + self._pitch_m))
+            groups.append(self.parts(sorted(placed)))
         return joined(groups)
+
+    def parts(self, cells: Sequence[Cell]) -> Obstacles:
+        """Parts in these cells, one box each, in their order."""
+        low = np.array(cells, dtype=np.float64) * self._pitch_m
+        names = tuple(f"the part at [{c.x}, {c.y}, {c.z}]" for c in cells)
+        return Obstacles(self._workspace_from_base, names, low, low + self._pitch_m)
 
 
 def joined(groups: Iterable[Obstacles]) -> tuple[Obstacles, ...]:

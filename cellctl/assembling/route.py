@@ -9,6 +9,7 @@ the arm, the gripper and its part sweep.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection
 
@@ -41,6 +42,9 @@ SEATING_S = 0.04
 FREEING_S = 0.15
 """To rise by a fraction of a millimetre and feel, with the next way made ready beside it."""
 
+_RISING = 3
+"""In so many steps it is looked at how a part rises off its neighbours."""
+
 
 class StepRoute(Value):
     """What the placement of one part takes."""
@@ -62,6 +66,7 @@ class RoutePlanner:
         self._robot = config.robot
         self._pitch_m = config.voxel.pitch_m
         self._grid = config.grid
+        self._workspace = [Cell(*at) for at in itertools.product(*map(range, config.grid))]
         self._frames = Frames(config)
         self._kinematics = Kinematics(config.robot.model)
         self._checker = RouteChecker(config, self._frames, self._kinematics)
@@ -387,6 +392,23 @@ class RoutePlanner:
         except PlanError:
             return False
         return True
+
+    def hindering(self, cell: Cell) -> frozenset[Cell]:
+        """Cells of the workspace in which a part would come too close to the arm's links while it
+        grips a part in a cell, or lifts it off its neighbours.
+
+        Raises:
+            PlanError: the arm does not reach that cell.
+        """
+        gripped = self.place_stance(cell)
+        tcp = to_matrix(gripped.tcp_pose)
+        rise_m = (self._pitch_m + self._robot.clearance_m) / _RISING
+        rising = [
+            self._frames.raised(tcp, self._frames.height_m(tcp) + step * rise_m)
+            for step in range(1, _RISING + 1)
+        ]
+        others = [one for one in self._workspace if one != cell]
+        return self._checker.near_links(self._checker.corners_rad(gripped, rising), others)
 
     def check(
         self,

@@ -274,6 +274,18 @@ class RouteChecker:
             raise PlanError(f"The arm's {near.link} would come too close to {near.other}.")
         return arm
 
+    def near_links(self, joints_rad: Floats, cells: Sequence[Cell]) -> frozenset[Cell]:
+        """Those cells in which a part would come too close to one of the arm's links.
+
+        Args:
+            joints_rad: n x 6.
+            cells: which are looked at, at least one.
+        """
+        arm = links.links(joints_rad, self._kinematics.model)
+        gaps = links.gaps_m(arm, self._surroundings.parts(cells))
+        near = gaps.min(axis=(0, 1)) < self._margin_m
+        return frozenset(cell for cell, close in zip(cells, near, strict=True) if close)
+
     def line_duration_s(self, start: Stance, path: Sequence[Waypoint]) -> float:
         """How long straight lines of the TCP take, from rest to rest."""
         course = line_course(start.tcp_pose, start.joints_rad, path, self._frames, self._kinematics)

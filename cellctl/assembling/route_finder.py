@@ -6,6 +6,7 @@ first one that is clear is timed, as quick as the joints allow.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import cast
 
@@ -139,9 +140,7 @@ class RouteFinder:
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
         leaving_m = max(self._clearance_m, self._lift_m if scene.carrying else 0.0)
-        level_m = max(from_m, to_m) + self._pitch_m
-        ends = [self._frames.raised(pose, level_m) for pose in (here, there)]
-        points, rotations = self._checker.tcp_between(start, *ends)
+        points, rotations, level_m = self._across(start, here, there)
         heights = points @ self._frames.cell_from_base[2, :3] + self._frames.cell_from_base[2, 3]
         wanted = crossing.wishes(
             [group for group in scene.obstacles if group.passed_over],
@@ -167,6 +166,24 @@ class RouteFinder:
         if not np.array_equal(wanted.strict_m, wanted.leaving_m):
             found.insert(0, level(wanted.leaving_m, from_m + leaving_m, to_m))
         return found
+
+    def _across(self, start: Stance, here: Matrix, there: Matrix) -> tuple[Floats, Floats, float]:
+        """Where the TCP goes while the joints go straight across above both ends, and how high
+        both ends are then: as high as the arm reaches at both, if need be.
+
+        Raises:
+            PlanError: it does not reach one of them at the other's height.
+        """
+        low_m, high_m = sorted(self._frames.height_m(pose) for pose in (here, there))
+
+        def across(level_m: float) -> tuple[Floats, Floats, float]:
+            ends = [self._frames.raised(pose, level_m) for pose in (here, there)]
+            return *self._checker.tcp_between(start, *ends), level_m
+
+        for level_m in (high_m + self._pitch_m, high_m, (low_m + high_m) / 2):
+            with contextlib.suppress(PlanError):
+                return across(level_m)
+        return across(low_m)
 
 
 def _pose(points: Floats, rotations: Floats, share: float) -> Matrix:

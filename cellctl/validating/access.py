@@ -5,13 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from typing import Protocol
 
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, TakeOff
 from cellctl.config import CellConfig
 
 ARM_WIDTH_M = 0.24
 """Edge of the square that flange and wrist of the arm need above the gripper, seen from above: the
 wrists of a UR10e reach 12 cm sideways of the flange's axis."""
+
+
+class Access(Protocol):
+    """Says what bars the way to a cell."""
+
+    def blockers(self, cell: Cell, standing: AbstractSet[Cell]) -> tuple[Cell, ...]:
+        """The parts that bar it, sorted; none where it is free."""
+
+    def frees(self, cell: Cell, way: TakeOff, standing: AbstractSet[Cell]) -> bool:
+        """Whether there is room to take a part off that way; ``standing`` includes it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +55,10 @@ class Gripper:
             if aside <= reach and one.z >= cell.z and self._meets(aside, one.z - cell.z):
                 found.append(one)
         return tuple(sorted(found))
+
+    def frees(self, *_: object) -> bool:
+        """Every way: what turns with a part keeps to the room above it, but for a few degrees."""
+        return True
 
     @property
     def _arm_reach(self) -> int:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
-from cellctl.validating.access import Gripper
+from cellctl.validating.access import Access
 from cellctl.validating.layer_orders import LayerOrder, distinct, layer_orders, tight_fits
 from cellctl.validating.layer_search import Search, search_layer
 from cellctl.validating.rules import Cells, pieces
@@ -54,14 +54,14 @@ class Order(NamedTuple):
 
 
 def order_cells(
-    cells: Cells, physics: Physics, gripper: Gripper, given: Cells = frozenset()
+    cells: Cells, physics: Physics, gripper: Access, given: Cells = frozenset()
 ) -> tuple[Cell, ...]:
     """As ``find_order``, without the proof."""
     return find_order(cells, physics, gripper, given).cells
 
 
 def find_order(
-    cells: Cells, physics: Physics, gripper: Gripper, given: Cells = frozenset()
+    cells: Cells, physics: Physics, gripper: Access, given: Cells = frozenset()
 ) -> Order:
     """An order of all cells but those that stand, with the verdict of each step.
 
@@ -98,7 +98,7 @@ def find_order(
     return Order(tuple(order), tuple(verdicts), tight_fits(order, given))
 
 
-def sketch_order(cells: Cells, gripper: Gripper, given: Cells = frozenset()) -> tuple[Cell, ...]:
+def sketch_order(cells: Cells, gripper: Access, given: Cells = frozenset()) -> tuple[Cell, ...]:
     """An order that is held and reached at every step, but not proven to stand.
 
     For objects so large that a proof of every trial takes too long: prove it with ``walk_order`` as
@@ -136,7 +136,7 @@ class Laid(NamedTuple):
         return min(verdict.margin for verdict in self.verdicts)
 
 
-def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
+def _lay(layer: Cells, growth: Growth, gripper: Access) -> Laid:
     """The best order of a layer on what stands."""
     candidates = _reachable(layer, growth.cells, gripper)
     careful = sorted(candidates, key=lambda c: (c.reach, c.reach_sum, c.tight, c.cells))
@@ -160,7 +160,7 @@ def _lay(layer: Cells, growth: Growth, gripper: Gripper) -> Laid:
     return best
 
 
-def _reachable(layer: Cells, standing: Cells, gripper: Gripper) -> list[LayerOrder]:
+def _reachable(layer: Cells, standing: Cells, gripper: Access) -> list[LayerOrder]:
     """Orders of a layer that comes down freely on what stands; the most promising first."""
     for cell in sorted(layer):
         if blockers := gripper.blockers(cell, standing):

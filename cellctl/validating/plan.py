@@ -17,6 +17,7 @@ from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
 from cellctl.validating.access import Gripper
 from cellctl.validating.changing.plans import plan_change_over, plan_removal
+from cellctl.validating.changing.reaching import ArmAccess
 from cellctl.validating.changing.routing import routed
 from cellctl.validating.checker import verify
 from cellctl.validating.discretise import discretise
@@ -208,9 +209,11 @@ def take_apart(
         PlanError: there is no way in which every state on the way stands, or no room on the belt.
     """
     _refuse_fallen(standing, config)
-    plan = plan_removal(standing, config, title=title, parts_on_belt=parts_on_belt)
+    planner = RoutePlanner(config)
+    access = ArmAccess(Gripper.of(config), planner)
+    plan = plan_removal(standing, config, title=title, parts_on_belt=parts_on_belt, access=access)
     plan = _verified(plan, config, config.limits.inventory_parts, standing)
-    return routed(plan, standing, config)
+    return routed(plan, standing, config, planner)
 
 
 def plan_changing_over(
@@ -245,6 +248,7 @@ def plan_changing_over(
         provenance=plan.provenance,
         parts_on_belt=parts_on_belt,
         reachable=reachable,
+        access=ArmAccess(Gripper.of(config), planner),
     )
     told = changed.model_copy(
         update={

@@ -61,6 +61,16 @@ def test_a_part_is_not_tilted_into_what_stands_higher_beside_it() -> None:
     assert PLANNER.take_off(TOP, west, beside).path
 
 
+@pytest.mark.parametrize("cell", [Cell(2, 0, 1), Cell(4, 3, 0)])
+def test_a_part_in_a_hindering_cell_leaves_the_arm_no_room(cell: Cell) -> None:
+    hindering = PLANNER.hindering(cell)
+    assert hindering
+    for other in sorted(hindering)[::5]:
+        with pytest.raises(PlanError, match=r"too close to the part|would touch the part"):
+            PLANNER.take_off(cell, PULL, {cell, other})
+    assert not any(other.z <= cell.z for other in hindering)
+
+
 def test_from_a_tilt_it_goes_up_before_it_comes_upright() -> None:
     route = PLANNER.take_off(TOP, EAST, COLUMN)
     tilted = next(w.pose for w, t in zip(route.path, tilts_rad(route), strict=True) if t > 0.1)

@@ -17,7 +17,7 @@ from cellctl.generating.families.brief import Count, Family, Flag
 from cellctl.generating.families.glyphs import GLYPHS
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import fit
-from cellctl.validating.plan import plan_build, plan_cells
+from cellctl.validating.plan import plan_build, plan_cells, take_apart
 from cellctl.validating.rules import pieces, size_of
 from tests.generating.counting import (
     Cells,
@@ -47,6 +47,9 @@ WANTED = {
 
 BY_THE_PAPER = {"shelf"}
 """It has the paper's size, which is changed on the way to a plan, as in the paper."""
+
+TOP_HEAVY = {"lamp", "tree"}
+"""They stand on a stem that does not bear that any part of their top is pulled or tilted off."""
 
 COUNTERS: dict[tuple[str, str], Callable[[Cells], int]] = {
     **{(family.name, "legs"): feet for family in FAMILIES if "legs" in family.takes},
@@ -183,6 +186,22 @@ def test_every_family_is_planned_without_a_change(family: Family) -> None:
         return
     assert plan.changes == ()
     assert from_front(at_origin(frozenset(plan.assembly.cells))) == cells_of(name)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", sorted(BY_NAME))
+def test_every_family_comes_apart(name: str) -> None:
+    """By movements that the arm has room for; what does not bear any of them is said."""
+    wanted: dict[str, Attribute] = {"glyph": "K"} if "glyph" in BY_NAME[name].takes else {}
+    plan = plan_build(realise(FamilyDescription(family=name, attributes=wanted), CONFIG), CONFIG)
+    standing = frozenset(plan.assembly.cells)
+    if name in TOP_HEAVY:
+        with pytest.raises(PlanError, match="would give way first"):
+            take_apart(standing, CONFIG, title=name)
+        return
+    apart = take_apart(standing, CONFIG, title=name)
+    assert apart.parts == 0
+    assert len(apart.steps) == plan.parts
 
 
 @pytest.mark.soak

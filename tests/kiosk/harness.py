@@ -163,11 +163,16 @@ def opened(
 
 
 @contextmanager
-def chromium(*arguments: str) -> Iterator[Browser]:
-    """The Chromium that Debian packages, without a screen."""
+def chromium(*arguments: str, niceness: int = 5) -> Iterator[Browser]:
+    """The Chromium that Debian packages, without a screen.
+
+    Args:
+        arguments: more of its command line.
+        niceness: how much it gives way to the cell, 0 to 19.
+    """
     with tempfile.TemporaryDirectory(prefix="browser-") as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=_giving_way(Path(folder)), args=[*ARGUMENTS, *arguments]
+            executable_path=_giving_way(Path(folder), niceness), args=[*ARGUMENTS, *arguments]
         )
         try:
             yield browser
@@ -175,13 +180,13 @@ def chromium(*arguments: str) -> Iterator[Browser]:
             browser.close()
 
 
-def _giving_way(folder: Path) -> Path:
+def _giving_way(folder: Path, niceness: int) -> Path:
     """A Chromium that does not draw while a cell should move: run by root, it would take
     precedence over every other process; and Linux shares a processor out among sessions first, of
     which it has one of its own, by the niceness in this file (sched(7))."""
     modest = "setpriv --bounding-set=-sys_nice --inh-caps=-sys_nice" if os.geteuid() == 0 else ""
     script = folder / "chromium"
-    last = "[ ! -w /proc/self/autogroup ] || echo 5 >/proc/self/autogroup"
+    last = f"[ ! -w /proc/self/autogroup ] || echo {niceness} >/proc/self/autogroup"
     script.write_text(f'#!/bin/sh\n{last}\nexec {modest} {CHROMIUM} "$@"\n')
     script.chmod(0o755)
     return script

@@ -258,6 +258,16 @@ def test_what_could_not_stand_is_not_taken_apart(cells: list[tuple[int, int, int
         plan_changing_over(post, frozenset(Cell(*cell) for cell in cells), CONFIG)
 
 
+@pytest.mark.parametrize("noun", ["stool", "snake"])
+def test_what_the_arm_built_it_takes_apart(noun: str) -> None:
+    """A stool's legs are tilted away from the arm's wrist; a snake's head is high and far."""
+    built = wish(noun)
+    apart = plan_taking_apart("built.json", built.model_dump_json().encode(), CONFIG)
+    assert {step.cell for step in apart.steps} == set(built.assembly.cells)
+    assert apart.parts == 0
+    assert [check.name for check in apart.checks if check.passed][-1] == "reach"
+
+
 def test_cells_in_a_file_are_planned() -> None:
     content = json.dumps({"cells": [[0, 0, 0], [0, 0, 1]], "pitch_m": 0.1}).encode()
     plan = plan_file("post.json", content, CONFIG)

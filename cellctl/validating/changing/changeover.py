@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cellctl.assembly import Cell, StepKind
 from cellctl.errors import PlanError
-from cellctl.validating.access import Gripper
+from cellctl.validating.access import Access
 from cellctl.validating.changing.alignment import (
     Alignment,
     Grid,
@@ -48,7 +48,7 @@ def change_over(
     wanted: Cells,
     grid: Grid,
     physics: Physics,
-    gripper: Gripper,
+    gripper: Access,
     *,
     mirrors: bool = False,
     belt: Belt | None = None,
@@ -147,7 +147,7 @@ def _steps(place: Alignment, standing: Cells, judge: Judge, belt: Belt | None) -
     return (*removals, *placements)
 
 
-def _attainable(place: Alignment, standing: Cells, gripper: Gripper) -> Alignment:
+def _attainable(place: Alignment, standing: Cells, gripper: Access) -> Alignment:
     """The same place without keeping what would be in the gripper's way at some move."""
     while True:
         moved = (standing | place.wanted) - place.kept

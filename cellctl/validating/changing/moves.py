@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from cellctl.assembly import Cell, StepKind
 from cellctl.errors import PlanError
-from cellctl.validating.access import Gripper
+from cellctl.validating.access import Access
 from cellctl.validating.changing.preference import placing_cost, removal_cost
 from cellctl.validating.changing.removal import Removal, assess_removal
 from cellctl.validating.rules import Cells, lateral, supported
@@ -22,6 +22,8 @@ _COMFORTABLE = 1.05
 """A removal with this many times the least margin is made at once; others only where there is no
 such one. A part on a column comes off with a little more: its joint is like those beneath it, and
 only the weight tells them apart."""
+
+_NO_ROOM = "the arm has no room to take it off"
 
 
 class Move(NamedTuple):
@@ -54,7 +56,7 @@ class Judge:
     """
 
     physics: Physics
-    gripper: Gripper
+    gripper: Access
     limit: int | None = None
     """How many moves are judged at most; None for no limit but that of each search."""
     judged: int = 0
@@ -77,9 +79,9 @@ class Judge:
             self.refusals[cell] = f"{named(blocking)} in the way of the gripper"
             return None
         self.judged += 1
-        found = assess_removal(cells, cell, self.physics, self.rests(left))
+        found = assess_removal(cells, cell, self.physics, self.rests(left), self.gripper)
         if found.removal is None:
-            self.refusals[cell] = _reason(found.verdict)
+            self.refusals[cell] = _NO_ROOM if found.barred else _reason(found.verdict)
             return None
         return Move(StepKind.REMOVE, cell, found.removal.margin, found.removal)
 
@@ -217,7 +219,7 @@ def _reason(verdict: Verdict) -> str:
 def removal_order(
     standing: Cells,
     physics: Physics,
-    gripper: Gripper,
+    gripper: Access,
     keep: Cells = frozenset(),
     belt: Belt | None = None,
 ) -> tuple[Removal, ...]:

@@ -8,14 +8,13 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step, TakeOff
+from cellctl.assembly import Assembly, BuildPlan, Cell, Change, Check, Step
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
-from cellctl.validating.access import Gripper
+from cellctl.validating.access import Access, Gripper
 from cellctl.validating.changing.breaking import How
 from cellctl.validating.changing.changeover import ChangeOver, change_over
 from cellctl.validating.changing.moves import Belt, Judge, Move, find_moves
-from cellctl.validating.changing.removal import Removal
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability import Physics
 from cellctl.validating.words import count, listed, parts
@@ -28,6 +27,7 @@ def plan_removal(
     keep: Cells = frozenset(),
     title: str = "object",
     parts_on_belt: int | None = None,
+    access: Access | None = None,
 ) -> BuildPlan:
     """Take apart what stands, part by part; its steps have neither clearance nor duration yet.
 
@@ -37,13 +37,13 @@ def plan_removal(
         keep: what stays.
         title: of the object that stands.
         parts_on_belt: how many lie there; what its capacity leaves, if None.
+        access: what bars the way to a part; the gripper's way down alone, if None.
 
     Raises:
         PlanError: there is nothing to take, or no order in which every state stands.
     """
     if not standing - keep:
         raise PlanError("Nothing stands that could be taken apart.")
-    physics, gripper = Physics.of(config), Gripper.of(config)
     belt = _belt(config, len(standing), parts_on_belt)
     if len(standing - keep) > belt.capacity - belt.parts:
         raise PlanError(
@@ -51,7 +51,7 @@ def plan_removal(
             f"{belt.capacity - belt.parts} more.",
             "Take parts off the belt and count them first.",
         )
-    judge = Judge(physics, gripper)
+    judge = Judge(Physics.of(config), access or Gripper.of(config))
     moves = find_moves(standing, standing - keep, frozenset(), judge, belt)
     return _plan(moves, keep, config, title=f"{title}, taken apart", provenance="what stands")
 
@@ -66,6 +66,7 @@ def plan_change_over(
     mirrors: bool = False,
     parts_on_belt: int | None = None,
     reachable: Callable[[Cell], bool] | None = None,
+    access: Access | None = None,
 ) -> BuildPlan:
     """Change what stands into the next object; its steps have neither clearance nor duration yet.
 
@@ -78,19 +79,19 @@ def plan_change_over(
         mirrors: whether its mirror image serves as well.
         parts_on_belt: how many lie there; what its capacity leaves, if None.
         reachable: whether the arm can put a part there; every cell, if None.
+        access: what bars the way to a cell; the gripper's way down alone, if None.
 
     Raises:
         PlanError: it does not fit, there are too few parts, or there is no order of moves in
             which every state stands.
     """
-    physics, gripper = Physics.of(config), Gripper.of(config)
     belt = _belt(config, len(standing), parts_on_belt)
     found = change_over(
         standing,
         wanted,
         config.grid,
-        physics,
-        gripper,
+        Physics.of(config),
+        access or Gripper.of(config),
         mirrors=mirrors,
         belt=belt,
         reachable=reachable,
@@ -129,7 +130,7 @@ def _plan(
             kind=move.kind,
             cell=move.cell,
             margin=None if math.isinf(move.margin) else round(move.margin, 4),
-            take_off=_take_off(move.removal, pitch_m) if move.removal is not None else None,
+            take_off=move.removal.take_off(pitch_m) if move.removal is not None else None,
         )
         for index, move in enumerate(moves)
     )
@@ -142,16 +143,6 @@ def _plan(
         checks=_checks(moves, config),
         changes=changes,
         provenance=provenance,
-    )
-
-
-def _take_off(removal: Removal, pitch_m: float) -> TakeOff:
-    hinge = removal.hinge
-    return TakeOff(
-        how=removal.how,
-        direction=removal.direction,
-        hinge_m=None if hinge is None else (hinge.towards * pitch_m / 2, hinge.up * pitch_m / 2),
-        force_n=round(removal.force_n, 2),
     )
 
 

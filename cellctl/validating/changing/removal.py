@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, TakeOff
+from cellctl.validating.access import Access
 from cellctl.validating.changing.breaking import PULL, Breaking, Hinge, How, breakings
 from cellctl.validating.rules import Cells, pieces
 from cellctl.validating.stability import Physics, Verdict, assess
@@ -28,6 +29,18 @@ class Removal(NamedTuple):
     force_n: float
     """What the arm applies: upward; of a peel or twist, its couple divided by the part's edge."""
 
+    def take_off(self, pitch_m: float) -> TakeOff:
+        """As the arm is told it, with parts of that edge."""
+        hinge = self.hinge
+        return TakeOff(
+            how=self.how,
+            direction=self.direction,
+            hinge_m=None
+            if hinge is None
+            else (hinge.towards * pitch_m / 2, hinge.up * pitch_m / 2),
+            force_n=round(self.force_n, 2),
+        )
+
 
 class Attempt(NamedTuple):
     """What became of looking for a way to take one part."""
@@ -36,21 +49,28 @@ class Attempt(NamedTuple):
     """The gentlest way that the rest bears; None if it bears none."""
     verdict: Verdict
     """The worst of that way, or of the best of those that the rest does not bear."""
+    barred: bool = False
+    """Whether the rest bears some way, and there is no room for it."""
 
 
 def assess_removal(
-    cells: Cells, cell: Cell, physics: Physics, after: Verdict | None = None
+    cells: Cells,
+    cell: Cell,
+    physics: Physics,
+    after: Verdict | None = None,
+    access: Access | None = None,
 ) -> Attempt:
     """The gentlest way to take a part that the rest bears, and how well it does.
 
-    Access from above is not asked here, and a part that carries others is the caller's mistake:
-    the verdict on what is left says only what happens without it.
+    Whether its way from above is free is not asked here, and a part that carries others is the
+    caller's mistake: the verdict on what is left says only what happens without it.
 
     Args:
         cells: what stands, ``cell`` included.
         cell: the part to take.
         physics: what holds it.
         after: the verdict on what is left, where that is known.
+        access: says for which ways there is room; for all that the neighbours allow, if None.
 
     Raises:
         PlanError: the solver failed.
@@ -60,6 +80,7 @@ def assess_removal(
     if after.margin < physics.least_margin:
         return Attempt(None, after)
     refused: Verdict | None = None
+    barred = False
     for breaking in breakings(cells, cell, physics):
         verdict = min(while_breaking(left, breaking, physics), after, key=lambda v: v.margin)
         if verdict.margin >= physics.least_margin:
@@ -67,12 +88,14 @@ def assess_removal(
             removal = Removal(
                 cell, way.how, way.direction, way.hinge, verdict.margin, breaking.force_n
             )
-            return Attempt(removal, verdict)
+            if access is None or access.frees(cell, removal.take_off(physics.pitch_m), cells):
+                return Attempt(removal, verdict)
+            barred = True
         if refused is None or verdict.margin > refused.margin:
             refused = verdict
     # A part between neighbours on all sides can still be pulled, so some way was tried.
     assert refused is not None
-    return Attempt(None, refused)
+    return Attempt(None, refused, barred)
 
 
 def while_breaking(left: Cells, breaking: Breaking, physics: Physics) -> Verdict:
