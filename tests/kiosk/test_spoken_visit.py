@@ -7,6 +7,7 @@ both compared with what was said.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,12 +15,15 @@ from typing import Literal
 
 import pytest
 
+from cellctl.messages import Snapshot
 from tests.cell.spoken import ECHO_DB, People, hearing, people, said, wait_for_ears
 from tests.kiosk.harness import OpenPage, Visit, visit
 
 pytestmark = pytest.mark.wire
 
 SPEED = 15.0
+NO_ANSWER_S = 10.0
+"""Nobody waits longer for an answer to a yes."""
 QUESTION = "Shall I build it?"
 
 
@@ -61,40 +65,53 @@ class Visitor:
         self.people = people
         self.page = page
         self._wakes = wakes
+        self._told = 0
+        """How many lines the cell had said when it was asked last."""
 
     def ask(self, sentence: str) -> None:
         """Say a wish or a change, after the wake word where it needs one, as politely as most
         people do: once the cell has finished speaking."""
-        self.hush()
+        line = self.hush().dialogue.line
+        self._told = line.number if line is not None else 0
         if self._wakes:
             self.people.say("hey mycroft")
             self.cell.wait("the wake word", lambda now: now.ears.state == "recording")
         self.people.say(sentence)
 
     def agree(self) -> None:
-        """Say yes at once, perhaps while the cell still speaks; where that was not understood, the
-        cell tells what it asked, and its visitor says it again once it has finished."""
+        """Say yes at once, perhaps while the cell still speaks; where that was not understood, or
+        not heard over the cell's own voice, its visitor says it again once it has finished."""
         question = self.cell.wait(
             "a question", lambda now: now.state.state == "validating_confirming"
         )
-        assert question.dialogue.line is not None
-        asked = question.dialogue.line.text
+        asked = self.line(question)
         self.people.say("yes")
+        patience_s = time.monotonic() + NO_ANSWER_S
         heard = self.cell.wait(
-            "a yes, or the question again",
+            "a yes, or the question again, or nothing",
             lambda now: (
                 now.state.state != "validating_confirming"
-                or (now.dialogue.line is not None and now.dialogue.line.text != asked)
+                or self.line(now) != asked
+                or time.monotonic() > patience_s
             ),
         )
         if heard.state.state == "validating_confirming":
-            print(f"not understood, so asked again: {heard.dialogue.line}")  # noqa: T201
+            told = self.line(heard)
+            why = "not heard" if told == asked else f"not understood, and told: {told}"
+            print(f"a yes was {why}")  # noqa: T201
             self.hush()
             self.people.say("yes")
 
-    def hush(self) -> None:
+    @staticmethod
+    def line(now: Snapshot) -> str:
+        """What the cell said last."""
+        return now.dialogue.line.text if now.dialogue.line is not None else ""
+
+    def hush(self) -> Snapshot:
         """Wait until the cell has finished speaking."""
-        self.cell.wait("silence", lambda now: not now.dialogue.speaking and not now.voice.saying)
+        return self.cell.wait(
+            "silence", lambda now: not now.dialogue.speaking and not now.voice.saying
+        )
 
     def is_asked(self, title: str) -> None:
         """Wait until the cell asks about this, aloud and on the page, in the same words."""
@@ -103,6 +120,7 @@ class Visitor:
             lambda now: (
                 now.state.state == "validating_confirming"
                 and now.dialogue.line is not None
+                and now.dialogue.line.number > self._told
                 and title.lower() in now.dialogue.line.text.lower()
                 and QUESTION in now.dialogue.line.text
             ),
