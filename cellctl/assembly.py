@@ -11,7 +11,7 @@ corner, everywhere: plans, journal, world and reports.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -79,14 +79,19 @@ class Correction(Value):
     taken: str
 
 
+EditOp = Literal["scale", "add", "remove", "set", "replace", "turn", "undo"]
+EDIT_OPS: tuple[EditOp, ...] = get_args(EditOp)
+
+
 class Edit(Value):
     """One change to the object that was designed before.
 
     ``scale`` changes a size and ``set`` fixes one, or an attribute; ``add`` and ``remove`` are
-    about parts; ``replace`` wants another object, which the request names.
+    about parts; ``replace`` wants another object, which the request names; ``turn`` turns it about
+    the vertical, and ``undo`` takes the last change back.
     """
 
-    op: Literal["scale", "add", "remove", "set", "replace"]
+    op: EditOp
     part: str = ""
     """What it is about, as it was said, singular (``leg``, ``shelf``); empty for all of it."""
     attribute: str = ""
@@ -99,8 +104,9 @@ class Edit(Value):
     amount: Annotated[float, Field(gt=0.0)] | None = None
     """How much, or how many parts. None: nobody said, which is one voxel or one part, and for
     ``remove`` every part of that name."""
-    unit: Literal["parts", "voxels", "metres", "times"] | None = None
-    """Of ``amount``; ``times`` is a factor: twice as tall is ``+`` 2 times."""
+    unit: Literal["parts", "voxels", "metres", "times", "degrees"] | None = None
+    """Of ``amount``; ``times`` is a factor: twice as tall is ``+`` 2 times. ``degrees`` are
+    anticlockwise, seen from above."""
     value: Attribute | None = None
     """Of ``set``: what an attribute becomes."""
 
@@ -154,6 +160,12 @@ class Request(Value):
     def buildable(self) -> bool:
         """Whether it is a wish for an object that may be built."""
         return self.intent is Intent.DESIGN and not self.refusal
+
+    def with_nothing_to_change(self) -> Request:
+        """The same where nothing was designed before: "make it a bench" is a wish for one."""
+        if self.intent is not Intent.EDIT or [edit.op for edit in self.edits] != ["replace"]:
+            return self
+        return self.model_copy(update={"intent": Intent.DESIGN, "edits": (), "reason": ""})
 
 
 class Check(Value):

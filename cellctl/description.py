@@ -125,6 +125,8 @@ class FamilyDescription(Value):
     """What the family knows, such as ``legs``; the family's own number where it is left out."""
     size_m: dict[Axis, Length] = Field(default_factory=dict)
     """Sizes that were asked for; the family's own where one is left out."""
+    turned_deg: Literal[0, 90, 180, 270] = 0
+    """Turned about the vertical, anticlockwise seen from above; its sizes turn with it."""
 
 
 class PartsDescription(Value):

@@ -38,6 +38,8 @@ class GeneratedMesh:
     """What the generator had to leave out or do differently; the plan passes it on."""
     description: FamilyDescription | PartsDescription | None = None
     """What it was made from, to be changed and made again; None where there is none."""
+    earlier: tuple[FamilyDescription | PartsDescription, ...] = ()
+    """What it was made from before each change, the latest last; for taking changes back."""
 
     @property
     def mesh(self) -> trimesh.Trimesh:

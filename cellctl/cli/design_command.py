@@ -29,8 +29,7 @@ def _read(text: str, config: CellConfig) -> Request:
 
 def _changed(mesh: GeneratedMesh, sentences: list[str], config: CellConfig) -> GeneratedMesh:
     """The shape after every change that was asked for."""
-    from cellctl.generating.describing import realise  # noqa: PLC0415 - heavy
-    from cellctl.generating.editing import edited  # noqa: PLC0415
+    from cellctl.generating.editing import change  # noqa: PLC0415 - heavy
 
     for sentence in sentences:
         request = _read(sentence, config)
@@ -44,7 +43,7 @@ def _changed(mesh: GeneratedMesh, sentences: list[str], config: CellConfig) -> G
                 f"The {mesh.title} has no description that could be changed.",
                 "Ask for it anew, with what it should be like.",
             )
-        mesh = realise(edited(mesh.description, request, config), config)
+        mesh = change(mesh, request, config)
     return mesh
 
 
@@ -141,7 +140,7 @@ def _made(given: str, config: CellConfig, screen: Console) -> GeneratedMesh:
         path = Path(given)
         read = parse_description(read_file(path), path.name)
         return realise(read, config, provenance=f"from {path.name}")
-    request = _read(given, config)
+    request = _read(given, config).with_nothing_to_change()
     screen.print(
         f"understood   {request.intent.value}: {request.phrase}"
         + (f" ({request.reason})" if request.reason else ""),

@@ -69,7 +69,7 @@ def make_plan(
         from cellctl.listening.understanding.interpreter import Setting  # noqa: PLC0415
         from cellctl.validating.plan import plan_build  # noqa: PLC0415 - heavy
 
-        request = read_request(given, Setting.of(config))
+        request = read_request(given, Setting.of(config)).with_nothing_to_change()
         if not request.buildable:
             raise NoObjectError(request.refusal or request.reason)
         if height_m is not None:

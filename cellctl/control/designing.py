@@ -99,15 +99,14 @@ def redesign(mesh: GeneratedMesh | None, request: Request, config: CellConfig) -
     Raises:
         DesignError: it cannot be changed so.
     """
-    from cellctl.generating.describing import realise  # noqa: PLC0415
-    from cellctl.generating.editing import edited  # noqa: PLC0415
+    from cellctl.generating.editing import change  # noqa: PLC0415
 
     if mesh is None or mesh.description is None:
         raise DesignError(
             "What I planned has no description that could be changed.",
             "Say the whole wish, with what it should be like.",
         )
-    return realise(edited(mesh.description, request, config), config)
+    return change(mesh, request, config)
 
 
 def design_another(present: GeneratedMesh, wish: Proposals, config: CellConfig) -> GeneratedMesh:

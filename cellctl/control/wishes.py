@@ -129,7 +129,8 @@ class Wishes:
     async def interpret(self, job: Job, post: Post) -> None:
         """Find out what the words ask for."""
         assert job.utterance is not None
-        request = job.request = await self.understand(job.utterance)
+        request = await self.understand(job.utterance)
+        request = job.request = request.with_nothing_to_change()
         if not request.buildable:
             raise NoObjectError(self.explain(job.utterance, request))
 
@@ -163,6 +164,8 @@ class Wishes:
             if job.request is not None and not replaces:
                 edits = (*job.request.edits, *request.edits)
                 request = job.request.model_copy(update={"edits": edits})
+                if request.edits[-1].op == "undo":
+                    request = _as_it_is_now(request, generated)
         else:
             tell = partial(self._tell, job)
             designed = await design_by_chain(request, self._config, self._compute, tell)
@@ -313,6 +316,18 @@ class Wishes:
             job.message = self._wording.text("done.silence")
 
         post(Event.DECLINE, silence)
+
+
+def _as_it_is_now(request: Request, generated: GeneratedMesh) -> Request:
+    """A wish that names what a change back has restored, which may be another object."""
+    made = generated.description
+    noun = (getattr(made, "noun", "") or getattr(made, "family", "")) if made else ""
+    if not noun or noun in request.objects:
+        return request
+    assert made is not None, "it has a noun"
+    return request.model_copy(
+        update={"phrase": noun, "objects": (noun,), "attributes": getattr(made, "attributes", {})}
+    )
 
 
 class _Wish(NamedTuple):

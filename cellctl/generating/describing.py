@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from cellctl.assembling.poses import inverse, to_matrix
 from cellctl.assembly import Attribute, Change, Request
@@ -51,7 +52,12 @@ def describe(request: Request) -> Described | None:
         attributes=known,
         size_m={axis: min(size_m, _MOST_M) for axis, size_m in request.dimensions_m.items()},
     )
-    return Described(description, _left_out(unknown, noun, request.count))
+    left_out = _left_out(unknown, noun, request.count)
+    word = request.phrase.rpartition(" ")[2]
+    if family.name == "letter" and request.objects == ("word",):
+        what = f"The letter {known.get('glyph', '')}, the first of {word}."
+        left_out = (*left_out, Change(what=what, why="I build one at a time."))
+    return Described(description, left_out)
 
 
 def _left_out(unknown: dict[str, Attribute], noun: str, count: int) -> tuple[Change, ...]:
@@ -130,8 +136,10 @@ def realise(
     else:
         design, values = draw(description, config)
         vertices, faces = mesh_of(design.boxes, config.voxel.pitch_m)
+        vertices = turned(vertices, description.turned_deg)
         title = design.title
-        stated = {str(k): v for k, v in description.size_m.items()}
+        names = {"width": "depth", "depth": "width"} if lies_across(description) else {}
+        stated = {names.get(k, str(k)): v for k, v in description.size_m.items()}
         complete = description.model_copy(update={"attributes": values})
     if faces_visitors_by_turning(config):
         vertices = vertices * np.array([-1.0, -1.0, 1.0])
@@ -159,6 +167,8 @@ def in_words(description: FamilyDescription | PartsDescription) -> str:
         else:
             told.append(f"{words} {value}")
     told += [f"{axis} {round(size * 100, 1):g} cm" for axis, size in description.size_m.items()]
+    if description.turned_deg:
+        told.append(f"turned by {description.turned_deg} degrees")
     return ", ".join(told)
 
 
@@ -169,8 +179,32 @@ def draw(description: FamilyDescription, config: CellConfig) -> tuple[Design, di
         DesignError: the family cannot have what the description states.
     """
     family = check_description(description)
-    brief = Brief.of(description, family, config.voxel.pitch_m, config.grid)
+    brief = Brief.of(description, family, config.voxel.pitch_m, room(description, config))
     return family.build(brief), brief.values
+
+
+def lies_across(description: FamilyDescription) -> bool:
+    """Whether its width lies along y."""
+    return description.turned_deg in (90, 270)
+
+
+def room(description: FamilyDescription, config: CellConfig) -> tuple[int, int, int]:
+    """The most cells that its width, depth and height can have."""
+    nx, ny, nz = config.grid
+    return (ny, nx, nz) if lies_across(description) else (nx, ny, nz)
+
+
+def turned(vertices: npt.NDArray[np.float64], angle_deg: int) -> npt.NDArray[np.float64]:
+    """Points of shape (n, 3), turned by quarters about the vertical, anticlockwise from above."""
+    x, y, z = vertices.T
+    match angle_deg:
+        case 90:
+            x, y = -y, x
+        case 180:
+            x, y = -x, -y
+        case 270:
+            x, y = y, -x
+    return np.column_stack((x, y, z))
 
 
 def size_cells(design: Design) -> tuple[int, int, int]:

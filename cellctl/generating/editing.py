@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from cellctl.assembly import Axis, Edit, Request
 from cellctl.config import CellConfig
 from cellctl.description import FamilyDescription, PartsDescription, Solid
 from cellctl.errors import DesignError
-from cellctl.generating.describing import describe, draw, size_cells
+from cellctl.generating.describing import describe, draw, realise, size_cells, turned
+from cellctl.generating.describing import room as room_of
 from cellctl.generating.families import BY_NAME
 from cellctl.generating.families.brief import Count, Family, Flag
 from cellctl.generating.wording import with_article
+from cellctl.mesh import GeneratedMesh
 
 _AXES: tuple[Axis, ...] = ("width", "depth", "height")
 _MEASURES = {
@@ -23,8 +29,36 @@ _MEASURES = {
 _MEASURED = frozenset(_MEASURES.values())
 _NEVER_SIZED = frozenset({"neck", "tail", "roof", "ear", "head", "wing", "trunk", "door", "window"})
 """Parts whose size is not the size of the whole."""
+_REMEMBERED = 20
+"""Changes that can be taken back, at most."""
 _FACTOR = 1.5
 """Of a description of parts, where "larger" is said without a number."""
+
+
+def change(mesh: GeneratedMesh, request: Request, config: CellConfig) -> GeneratedMesh:
+    """A shape as a request with intent ``edit`` wants it; it knows what it was before.
+
+    Args:
+        mesh: what was designed; it has a description.
+        request: its ``edits`` are made in their order.
+        config: the cell, whose parts "taller by one" counts.
+
+    Raises:
+        DesignError: a change that this object cannot have, in words for the visitor.
+    """
+    description, earlier = mesh.description, mesh.earlier
+    assert description is not None, "what has no description is not changed"
+    if request.edits and request.edits[0].op == "undo":
+        if not earlier:
+            raise DesignError("Nothing was changed yet that I could take back.")
+        *before, description = earlier
+        request = request.model_copy(update={"edits": request.edits[1:]})
+        earlier = tuple(before)
+        description = edited(description, request, config) if request.edits else description
+    else:
+        earlier = (*earlier, description)[-_REMEMBERED:]
+        description = edited(description, request, config)
+    return replace(realise(description, config), earlier=earlier)
 
 
 def edited(
@@ -47,6 +81,8 @@ def edited(
     for edit in request.edits:
         if edit.op == "replace":
             description = _replaced(request, description)
+        elif edit.op == "turn":
+            description = _turned(description, edit)
         elif isinstance(description, PartsDescription):
             description = _scaled_parts(description, edit)
         elif edit.attribute or edit.part:
@@ -67,6 +103,32 @@ def _replaced(
     if isinstance(before, PartsDescription) or request.dimensions_m:
         return found.description
     return found.description.model_copy(update={"size_m": before.size_m})
+
+
+def _turned(
+    description: FamilyDescription | PartsDescription, edit: Edit
+) -> FamilyDescription | PartsDescription:
+    """``turn it round``: by quarters about the vertical, so that its faces stay on the cells'."""
+    quarters = round((edit.amount or 0.0) / 90)
+    if quarters % 4 == 0 or abs(90 * quarters - (edit.amount or 0.0)) > 1:
+        raise DesignError(
+            "I can turn it by a quarter or by half a turn only.",
+            "Say it like: turn it round, or turn it to the left.",
+        )
+    if isinstance(description, FamilyDescription):
+        angle = (description.turned_deg + 90 * quarters) % 360
+        return description.model_copy(update={"turned_deg": angle})
+    points = np.array([part.at_m for part in description.parts])
+    parts = tuple(
+        part.model_copy(
+            update={
+                "at_m": tuple(float(each) for each in at_m),
+                "turned_deg": (*part.turned_deg[:2], part.turned_deg[2] + 90.0 * quarters),
+            }
+        )
+        for part, at_m in zip(description.parts, turned(points, 90 * (quarters % 4)), strict=True)
+    )
+    return description.model_copy(update={"parts": parts})
 
 
 def _with_attribute(
@@ -162,7 +224,7 @@ def _resized(
 ) -> FamilyDescription:
     pitch_m = config.voxel.pitch_m
     before = dict(zip(_AXES, size_cells(draw(description, config)[0]), strict=True))
-    room = dict(zip(_AXES, config.grid, strict=True))
+    room = dict(zip(_AXES, room_of(description, config), strict=True))
     if edit.axis == "length":
         axes = ("width",) if before["width"] >= before["depth"] else ("depth",)
     elif edit.axis is not None:

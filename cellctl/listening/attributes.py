@@ -19,7 +19,14 @@ _SINGLE = re.compile(
 )
 _LEGGED = frozenset({"legged", "footed"})
 _TIERED = frozenset({"tiered", "level", "leveled", "levelled"})
-GLYPH_NOUNS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+_SEVERAL = re.compile(
+    r"(?:(?:the|my|our|his|her|their|two|three|some) )*(?:capital |big )?(?:(?:letters?|numbers?|"
+    r"digits?|initials?) (?P<signs>\w+(?:(?: and)? \w+)+)|(?:word|name) (?P<word>[a-z]{2,12}))"
+    r"(?: please)?"
+)
+GLYPH_NOUNS = frozenset(
+    {"letter", "number", "digit", "numeral", "capital", "figure", "uppercase", "lowercase"}
+)
 
 
 def read_attributes(words: Sequence[str], head: str) -> Attributes:
@@ -63,6 +70,25 @@ def read_glyph(words: Sequence[str]) -> str | None:
         if number is not None and number[0] == int(number[0]) and number[0] < 1000:
             return str(int(number[0]))
     return None
+
+
+def read_signs(words: Sequence[str]) -> tuple[str, ...]:
+    """The letters and digits of ``the letters a and b``, ``my initials j k``, ``the word hi``.
+
+    Upper case; empty where the words name none, or no more than one. ``words`` is the whole wish.
+    """
+    match = _SEVERAL.fullmatch(" ".join(words))
+    if match is None:
+        return ()
+    if match["word"]:
+        return tuple(match["word"].upper())
+    signs = [word for word in match["signs"].split() if word != "and"]
+    numbers = [read_number([sign], 0) for sign in signs]
+    read = [
+        str(int(number[0])) if number is not None else sign.upper()
+        for sign, number in zip(signs, numbers, strict=True)
+    ]
+    return tuple(read) if len(read) > 1 and all(len(sign) == 1 for sign in read) else ()
 
 
 def _counted(words: Sequence[str], number: tuple[float, int], head: str, found: Attributes) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from cellctl.listening.command_phrasing import phrased_command
+from cellctl.listening.contractions import run_together
 
 _SENTENCES: dict[str, tuple[str, ...]] = {
     "stop": (
@@ -140,7 +141,8 @@ _AGREES = re.compile(
 _POLITE = frozenset(
     {"please", "now", "right", "robot", "hey", "um", "uh", "immediately", "ok", "okay", "oh",
      "just", "well", "then", "yes", "yeah", "yep", "sure", "alright", "actually", "so", "sorry",
-     "hmm", "hm", "er", "erm", "mm", "ah"}
+     "hmm", "hm", "er", "erm", "mm", "ah", "cool", "great", "nice", "dear",
+     "love", "mate", "buddy", "sir", "madam", "dude"}
 )  # fmt: skip
 """Words that change nothing when they stand before or after a control word."""
 _AGREEING = frozenset({"yes", "yeah", "yep", "sure", "ok", "okay", "alright"})
@@ -165,7 +167,19 @@ _ASKED = re.compile(
 )
 _MOST_WORDS_IN_PIECES = 12
 _THANKS = frozenset({"thanks", "thank you", "cheers", "thank you very much", "thanks a lot"})
-_TOGETHER = {frozenset({"yes", "resume"}): "yes", frozenset({"no", "cancel"}): "cancel"}
+_GOING_ON = frozenset(
+    {"please", "it's", "that's", "you're", "there's", "he's", "she's", "they're", "something",
+     "somebody", "someone", "watch"}
+)  # fmt: skip
+"""After a command to halt these tell why."""
+_GOING_ON_AFTER_STOP = frozenset({"i", "i'm", "we", "you", "my", "no", "now", "robot", "hey"})
+"""After "wait" these may begin a wish."""
+_TOGETHER = {
+    frozenset({"yes", "resume"}): "yes",
+    frozenset({"no", "cancel"}): "cancel",
+    frozenset({"no", "another"}): "another",
+    frozenset({"cancel", "another"}): "another",
+}
 """What commands mean that are said in one breath; others contradict each other."""
 _TO_US = re.compile(r"\b(show|give|help) us ")
 _BRIEFLY = re.compile(r" for (?:a|one) (?:moment|second|minute|bit|while)$| a (?:moment|second|"
@@ -212,6 +226,10 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
         ``repeat``, ``again``, ``another`` and ``help``, or what else ``own`` knows.
     """
     said, polite = _TO_US.sub(r"\1 me ", plain(text)), _POLITE | own.polite
+    return _command(said, own, polite) or _command(run_together(said), own, polite)
+
+
+def _command(said: str, own: Sayings, polite: frozenset[str]) -> str | None:
     leading = " ".join(itertools.dropwhile(polite.__contains__, said.split()))
     for sentence in (said, _unasked(said), _unasked(leading)):
         words = sentence.split()
@@ -225,7 +243,8 @@ def spoken_command(text: str, own: Sayings = _ENGLISH_ONLY) -> str | None:
             if (name := own.sentences.get(one) or _english(one)) is not None:
                 return name
     return (
-        _with_more(said.split())
+        _with_reason(leading.split())
+        or _with_more(said.split())
         or _with_more(leading.split())
         or _in_pieces(said.split(), own.sentences, polite)
     )
@@ -261,6 +280,14 @@ def _in_pieces(words: list[str], own: Mapping[str, str], polite: frozenset[str])
     if len(names) > 1:
         return next((meant for group, meant in _TOGETHER.items() if names <= group), None)
     return next(iter(names), None)
+
+
+def _with_reason(words: list[str]) -> str | None:
+    """``stop please it's going to fall``; "wait and see" and "stop laughing" are no commands."""
+    if words[:1] == ["wait"]:
+        return "pause" if _GOING_ON & set(words[1:2]) else None
+    halts = words[:1] in (["stop"], ["halt"])
+    return "stop" if halts and (_GOING_ON | _GOING_ON_AFTER_STOP) & set(words[1:2]) else None
 
 
 def _with_more(words: list[str]) -> str | None:

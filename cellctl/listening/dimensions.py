@@ -24,8 +24,15 @@ _AXES: dict[str, Axis] = {
     **dict.fromkeys(("wide", "width", "long", "length", "across", "broad"), "width"),
     **dict.fromkeys(("deep", "depth", "thick"), "depth"),
 }
+_SQUARE = tuple(
+    tuple(each.split())
+    for each in ("on each side", "on every side", "on a side", "each side", "each way", "a side",
+                 "per side", "square", "in square")
+)  # fmt: skip
 _TRIPLE: tuple[Axis, ...] = ("width", "depth", "height")
 _LARGEST_M = 100.0
+_LEAST_CM = 12
+"""From here on a number without a unit counts centimetres rather than blocks."""
 
 
 @dataclass
@@ -68,11 +75,11 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
         if end >= len(words) or words[end] != "by" or len(values) == 3:
             break
         end += 1
-    if not values or end >= len(words):
+    if not values:
         return None
-    unit_m = _unit_m(words, end, pitch_m, len(values))
+    unit_m = _unit_m(words, end, pitch_m, len(values)) if end < len(words) else None
     if unit_m is None:
-        return None
+        return _without_unit(values, end, pitch_m, sizes, start) if len(values) > 1 else None
     source: Source = "voxels" if words[end] in _VOXELS else "stated"
     end += 1
     if list(words[end : end + 3]) == ["and", "a", "half"]:
@@ -87,7 +94,29 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
             _store(sizes, axis, value * unit_m, source)
     else:
         said, end = _axis(words, start, end)
-        _store(sizes, said or "height", values[0] * unit_m, source if said else "axis_assumed")
+        if said is None and (square := _square(words, end)) is not None:
+            _store(sizes, "width", values[0] * unit_m, source)
+            _store(sizes, "depth", values[0] * unit_m, source)
+            end = square
+        else:
+            _store(sizes, said or "height", values[0] * unit_m, source if said else "axis_assumed")
+    sizes.spans.append((start, end))
+    return end
+
+
+def _without_unit(
+    values: list[float], end: int, pitch_m: float, sizes: Sizes, start: int
+) -> int | None:
+    """``eighty by forty`` are centimetres; ``three by three`` are counted in blocks."""
+    if all(value >= _LEAST_CM for value in values):
+        unit_m: float = 0.01
+        source: Source = "stated"
+    elif all(value < _LEAST_CM for value in values):
+        unit_m, source = pitch_m, "voxels"
+    else:
+        return None
+    for axis, value in zip(_TRIPLE, values, strict=False):
+        _store(sizes, axis, value * unit_m, source)
     sizes.spans.append((start, end))
     return end
 
@@ -124,6 +153,14 @@ def _axis(words: Sequence[str], start: int, end: int) -> tuple[Axis | None, int]
     if start >= 2 and words[start - 1] == "of" and words[start - 2] in _AXES:
         return _AXES[words[start - 2]], end
     return None, end
+
+
+def _square(words: Sequence[str], index: int) -> int | None:
+    """Where ``square`` or ``on each side`` ends that stands at ``index``; None for neither."""
+    for said in _SQUARE:
+        if tuple(words[index : index + len(said)]) == said:
+            return index + len(said)
+    return None
 
 
 def _store(sizes: Sizes, axis: Axis, value_m: float, source: Source) -> None:

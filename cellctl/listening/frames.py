@@ -21,17 +21,24 @@ _FOR_ME = (
     r"(?: (?:me|us|him|her|them|yourself|up))?"
 )
 MAKES = rf"{_MAKE}(?: (?:and|or) {_MAKE})*{_FOR_ME}"
+_NOUN = r"(?!(?:i|we|you|he|she|they)\b)\w+"
 WHO = (
     r"(?:i|we|you(?! ?(?:'d|would|need|want|might)\b)|they|he|she|me(?= wants?\b)|"
-    r"one(?= (?:needs|wants)\b)|(?:my|our|the|this|his|her) (?:\w+ )?\w+|everyone|everybody|people|"
+    rf"one(?= (?:needs|wants)\b)|(?:my|our|the|this|his|her) (?:{_NOUN} )?{_NOUN}|"
+    r"(?:everyone|everybody)(?: here| else)?|people|"
     r"mommy|daddy|mum|mom|dad|grandma|grandpa|granddad|granny|somebody|someone)"
 )
+_MUCH = (
+    r"(?:(?:really|just|quite|rather|so|very|much|ever|still|also|actually|certainly|only|most|"
+    r"always|simply|\w+ly) )*"
+)
 WANT = (
-    r"(?:would (?:really |just |quite |rather |so |very much )?(?:like|love|prefer|want|enjoy)|"
-    r"'d (?:really |just |quite |rather |so |very much )?(?:like|love|prefer|enjoy|want|need|"
-    r"better (?:have|get))|"
-    r"(?:am|are|is|'m|'re|'s) (?:needing|wanting|wishing(?: for)?|requiring)|would need|"
-    r"should (?:really )?(?:like|love)|want|wants|wanted|need|needs|needed|wish for|"
+    rf"(?:(?:would|should) {_MUCH}(?:like|love|prefer|enjoy)|would {_MUCH}(?:want|need)|"
+    rf"would(?= to (?:have|get|order) )|'d {_MUCH}(?:like|love|prefer|enjoy|want|need|better "
+    rf"(?:have|get))|"
+    rf"(?:am|are|is|'m|'re|'s) {_MUCH}(?:needing|wanting|wishing(?: for)?|requiring)|"
+    rf"like(?= to (?:have|get|order|own) )|{_MUCH}(?:want|wants|wanted|need|needs|needed)|"
+    rf"wish for|"
     r"could (?:really )?(?:use|do with)|demand|demands|"
     r"request|requests|require|requires|desire|fancy|prefer|am after|am looking for)"
 )
@@ -145,7 +152,7 @@ _FRAMES = _frames(
     ("making", rf"(?:can|could|will|would) you to {MAKES}"),
     ("making", rf"(?:can|could|will|would) (?:it|this|that|this thing|he|she) (?:do|"
                rf"{MAKES})(?= an? )"),
-    ("making", rf"you (?:please )?{MAKES}(?= (?:an?|one|the) )"),
+    ("making", rf"you (?:please )?(?:{MAKES}|do (?:me|us))(?= (?:an?|one|the) )"),
     ("having", rf"(?:(?:do )?you (?:have|do|make|sell)|(?:have )?you(?: got)?|got)(?: any(?:thing "
                rf"like)?)?{_STOCKED}"),
     ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:see|try)(?= an? | the "
@@ -154,6 +161,8 @@ _FRAMES = _frames(
     ("having", r"(?:what )?if (?:i|we) (?:asked|wanted|said)(?: you)?(?: for)?(?= an? )"),
     ("having", r"(?:i|we)(?:'ve| have)? came?(?: here)? (?:for|to (?:see|get))(?= an? )"),
     ("having", r"put (?:me|us|him|her) down for"),
+    ("having", rf"i (?:said|meant|asked for)(?= an? | the letter | (?:{_FAMILY})$)"),
+    ("having", r"(?:i'm|i am|we're|we are|let's|let us) (?:going|opting|settling) for(?= an? )"),
     (
         "having",
         rf"{WHO}(?: all)?(?: have|'ve| has)? (?:voted for|decided on|settled on|opted for|"
@@ -182,11 +191,13 @@ _FRAMES = _frames(
     ("making", rf"(?:can|could|may|might) (?:i|we) (?:have|get|ask) you to {MAKES}"),
     ("having", r"(?:can|could|may|might) (?:i|we) (?:please )?(?:have|get|request|order|ask for)"),
     ("making", rf"(?:would|do) you mind {_MAKING}{_FOR_ME}"),
-    ("making", rf"(?:start|begin|try|consider) {_MAKING}{_FOR_ME}"),
+    ("making", rf"(?:start|begin|try|consider|get(?: on with)?) {_MAKING}{_FOR_ME}"),
+    ("making", r"(?:get on|crack on|carry on|go ahead) with(?= an? )"),
     ("making", rf"{_MAKING}{_FOR_ME}"),
     (
         "having",
-        r"(?:let me|let us|let's) (?:have(?: a go at)?|get|see|try|do|go (?:with|for))"
+        r"(?:let me|let us|let's) (?:(?:have|take)(?: a (?:go|look|try) at)?|get|see|try|do|"
+        r"go (?:with|for))"
         r"(?= an? | the (?:letter|number))",
     ),
     ("making", rf"(?:let me|let us|let's) (?:try to )?{MAKES}"),
@@ -216,6 +227,7 @@ _FRAMES = _frames(
     ("having", r"(?:get|give to|give|bring|fetch|make it|grant) (?:me|us|him|her|them|my "
                r"\w+)(?: please)?"),
     ("having", r"(?:give|bring)(?= an? | two| three| four| some )"),
+    ("making", r"(?:write|spell)(?: out)?(?= the (?:word|letters) \w+)"),
     ("making", r"(?:write|draw|show|display|form|spell)(?: (?:me|us))?"
                r"(?= (?:the|an?) (?:capital |big |small )?(?:letter|number|digit) \w+$)"),
     ("having", r"(?:show|give) (?:me|us) your (?:very )?(?=best|biggest|finest|nicest|greatest)"
@@ -227,6 +239,11 @@ _FRAMES = _frames(
     ("having", r"(?:draw|deliver|sell|offer|provide|supply|serve)(?: for)? (?:me|us)"
                r"(?: with)?(?= an? )"),
     ("making", rf"{_CRAFTS}(?: (?:me|us))?(?= an? )"),
+    (
+        "making",
+        rf"(?:does|do|can|could|would|will|did) (?:it|he|she|you|they|the \w+)(?: even| also)? "
+        rf"(?:know how to|manage to|be able to|(?:ever )?(?:try|learn) to) {MAKES}(?= an? )",
+    ),
     ("making", rf"{MAKES}"),
 )  # fmt: skip
 _QUESTION_FRAMES = re.compile(
@@ -254,6 +271,7 @@ _OF_THOSE = re.compile(r"^(?P<number>\w+) of (?:those|these|the|your) (?=\w+s\b)
 _BUT_WITH = re.compile(
     r" (?:but|you know|i mean|say)(?: (?:like|you know|also))* (?=with(?:out)? )"
 )
+_AS_MANY = re.compile(r"^as many (?=.+s\b)")
 _THE = re.compile(r"^the (?!letter|number)")
 _LOOKS_LIKE = re.compile(r" looks? like$")
 _ANY = re.compile(r"^any(?: old)? ")
@@ -262,12 +280,15 @@ _AS_CAN_BE = re.compile(
     r"as (?P<size>\w+) (?P<thing>an? .+?) as (?:possible|can be|it gets|(?:you|we|it) .+)"
 )
 _ASIDE = re.compile(
-    r" (?:don't you think|right|for fun|mate|buddy|pal|dude|bro|"
+    r" (?:(?:whichever|whatever|either)(?: of them)? (?:is|suits|works|you|one) .+|don't you think|"
+    r"right|for fun|mate|buddy|pal|dude|bro|"
     r"if (?:you can(?: manage)?|you like|possible|(?:that's|that is|it's) "
     r"(?:ok|okay|alright|all right|possible|not too much)))$"
 )
 """What is said after a wish, and is no part of it."""
-_ONCE_MORE = re.compile(r"(?P<wish>(?:.+ )?(?:an?|two|three) .+?) an? (?:\w+ ){1,3}one")
+_ONCE_MORE = re.compile(
+    r"(?P<wish>(?:.+ )?(?:an?|two|three) .+?) (?:(?:yes|but|only|just|and) )*an? (?:\w+ ){1,3}one"
+)
 """``a whale, a really huge one``."""
 _PICTURE = re.compile(
     r"(?:an?|the) (?:\w+ ){0,4}(?:photo|photograph|picture|image|render|rendering|drawing|sketch|"
@@ -282,6 +303,11 @@ _LIKENESS = re.compile(
 )
 
 
+_SPELLED = re.compile(
+    r"(?:(?:can|could|would|will) you (?:please )?|please |let's )?(?:spell(?: out)?(?: (?:me|us))?"
+    r" (?P<spelled>[a-z]{2,8})|write(?: (?:me|us))? (?P<written>[a-z]{2,4}))(?: please| for me)*"
+)
+_NOT_SPELLED = LEXICON.enders | LEXICON.determiners | LEXICON.vague | {"code", "down", "out"}
 _POSSIBLE = re.compile(r"(?:would|is) it (?:be )?possible(?: for (?:me|us))? to (?:have|get) ")
 
 
@@ -295,6 +321,8 @@ class Frame:
     """The wish."""
     of_speaker: bool = False
     """Whether it says "make me a ...", which is also said of what one wants to become."""
+    of_doing: bool = False
+    """Whether it says "do a ...", which is also said of tricks."""
 
     @property
     def asks(self) -> bool:
@@ -311,14 +339,19 @@ def find_frame(words: tuple[str, ...]) -> Frame:
         text = text[: match.start()]
     if match := _ONCE_MORE.fullmatch(text):
         text = match["wish"]
+    if match := _SPELLED.fullmatch(text):
+        word = match["spelled"] or match["written"]
+        if word not in _NOT_SPELLED:
+            return Frame("making", ("the", "word", word))
     kind: Kind = "bare"
-    of_speaker = False
+    of_speaker = of_doing = False
     for name, pattern in _FRAMES:
         if match := pattern.match(text):
             kind, text = name, text[match.end() :].strip()
             if match[0].endswith(_OF_A_MENU):
                 text = _THE.sub("a ", text)  # of what is on offer
             of_speaker = match[0].endswith("make me")
+            of_doing = match[0].split()[-1] == "do"
             break
     if kind == "bare" and (match := _NICE_TO_HAVE.fullmatch(text)):
         kind, text = "having", _ANY.sub("a ", match["wish"])
@@ -326,7 +359,7 @@ def find_frame(words: tuple[str, ...]) -> Frame:
     for inner in (_PICTURE, _LIKENESS) if kind != "having" else (_LIKENESS,):
         if match := inner.match(text):
             text = text[match.end() :].strip()
-    return Frame(kind, tuple(text.split()), of_speaker)
+    return Frame(kind, tuple(text.split()), of_speaker, of_doing)
 
 
 def _plainly(text: str) -> str:
@@ -337,6 +370,7 @@ def _plainly(text: str) -> str:
     if match := _ONE_OF.match(text):
         *before, last = text[match.end() :].split() or [""]
         text = " ".join(["a", *before, singular(last) if "with" not in before else last])
+    text = _AS_MANY.sub("some ", text)
     if match := _AS_CAN_BE.fullmatch(text):
         article, _, thing = match["thing"].partition(" ")
         text = f"{article} {match['size']} {thing}"
@@ -368,11 +402,11 @@ def plain_words(words: tuple[str, ...]) -> list[str]:
     kept = list(words)
     while kept and kept[0] in LEXICON.greetings:
         kept = kept[1:]
-    # A "wishing well" is none of the fillers.
+    # A "wishing well" is none of the fillers, nor is the "so" of "so a stool" later on.
     kept = [
         word
         for index, word in enumerate(kept)
-        if word not in LEXICON.fillers or (word == "well" and index > 0)
+        if word not in LEXICON.fillers or (word in ("well", "so") and index > 0)
     ]
     while kept and kept[0] in LEXICON.greetings:
         kept = kept[1:]

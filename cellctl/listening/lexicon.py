@@ -21,7 +21,7 @@ _IRREGULAR = {
     "boxes": "box",
     "dice": "die",
 }
-_NEVER_PLURAL = ("ss", "us", "is", "ics", "news", "stairs")
+_NEVER_PLURAL = ("aos", "ss", "us", "is", "ics", "news", "stairs")
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,8 @@ class Lexicon:
 
     families: frozenset[str]
     physical: frozenset[str]
+    characters: frozenset[str]
+    """Names that need no article: ``batman``."""
     abstract: frozenset[str]
     abstract_suffixes: tuple[str, ...]
     vague: frozenset[str]
@@ -51,7 +53,7 @@ class Lexicon:
 
     def is_physical(self, noun: str) -> bool | None:
         """Whether a singular noun names a thing that can be touched; None for an unknown noun."""
-        if noun in self.physical or noun in self.families:
+        if noun in self.physical or noun in self.families or noun in self.characters:
             return True
         if noun in self.abstract or noun in self.vague or noun in self.colours:
             return False
@@ -88,6 +90,7 @@ def _load() -> Lexicon:
     return Lexicon(
         families=words("families"),
         physical=words("physical"),
+        characters=words("characters"),
         abstract=words("abstract"),
         abstract_suffixes=tuple(table["abstract"]["suffixes"].split()),
         vague=words("vague"),

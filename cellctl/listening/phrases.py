@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from cellctl.listening.attributes import GLYPH_NOUNS
 from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.judging import acts_at, is_participle, judge
@@ -47,11 +48,13 @@ _TRAILING = frozenset(
      "first", "next", "soon", "ever", "immediately", "robot", "ok", "okay"}
 )  # fmt: skip
 _COMPANY = frozenset({"me", "us", "you", "him", "her", "them"})
-_GLYPHS = frozenset({"letter", "number", "digit", "numeral", "capital", "figure"})
+_GLYPHS = GLYPH_NOUNS
+_CASES = frozenset({"capital", "uppercase", "lowercase"})
 _PAIRED = LEXICON.colours | LEXICON.comparatives
 _AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without", "that"})
 _AFTER_NOUNS = (LEXICON.comparatives | LEXICON.colours | {"round", "square"}) - {"light"}
 """What describes a noun from behind in many a language; a "street light" is a noun."""
+_ADVERBS = frozenset({"up", "down", "out", "all", "standing"})
 _BEFORE_OF = frozenset({"full", "fit", "suitable", "big", "large", "high", "tall", "small", "good",
                         "similar", "ready", "made", "wide", "long", "strong"})  # fmt: skip
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
@@ -162,9 +165,14 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     entry = look_up(word)
     if word in ("twice", "half") and after[:1] in (["as"], ["the"]):
         return True
-    if word in _AFTER_NOUNS and (not after or after[0] in LEXICON.enders or _counts(words, index)):
+    ends = not after or after[0] in LEXICON.enders
+    if (
+        (word in _AFTER_NOUNS and (ends or _counts(words, index)))  # "a table small"
+        or (word in _ADVERBS and after and ends)  # "a tower up to the sky"
+        or _measured(words, index)  # "a stool knee high"
+    ):
         noun = singular(words[index - 1])
-        return judge((noun,), noun).physical is True  # "a table small"
+        return judge((noun,), noun).physical is True
     if entry is None or not after or word in LEXICON.physical:
         return False
     if after[0] in ("it", "them"):
@@ -173,6 +181,18 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     if "a" not in entry.parts or not judge((noun,), noun).physical:
         return False
     return after[0] == "enough" or (word in _BEFORE_OF and after[0] in ("of", "for", "to", "as"))
+
+
+def _measured(words: Sequence[str], index: int) -> bool:
+    """Whether a size is told by a body: ``knee high``, at the end of what is said of the thing."""
+    entry = look_up(words[index])
+    return (
+        entry is not None
+        and entry.kind == "b"
+        and set(words[index + 1 : index + 2]) <= {"high", "deep", "tall", "wide", "length"}
+        and set(words[index + 2 : index + 3]) <= LEXICON.enders
+        and index + 1 < len(words)
+    )
 
 
 def _counts(words: Sequence[str], index: int) -> bool:
@@ -221,6 +241,9 @@ def _determiner(words: Sequence[str]) -> tuple[int, int, str]:
     value, end = number
     following = words[end] if end < len(words) else ""
     counts_part = singular(following) in LEXICON.parts and end + 1 < len(words)
+    counts_part = counts_part and (value > 1 or bool(determiner) or following in LEXICON.families)
+    if value == 1 and not determiner and following in LEXICON.families:
+        counts_part = False  # "one shelf, three tiers"
     # "a three seat sofa" is one.
     adjective = determiner in ("a", "an") and value > 1
     adjective = (
@@ -246,8 +269,8 @@ def _head(core: list[str], rest: Sequence[str]) -> tuple[str, list[str]]:
     nouns = [word for word in core if not (len(word) == 1 and word.isalnum())]
     glyph = next((i for i, word in enumerate(core[:-1]) if word in _GLYPHS), None)
     if glyph is not None and (len(core[-1]) == 1 or read_number(core, len(core) - 1) is not None):
-        nouns = ["letter" if core[glyph] in ("letter", "capital") else "number"]
-        if core[glyph] == "capital":
+        nouns = ["letter" if core[glyph] in {"letter", *_CASES} else "number"]
+        if core[glyph] in _CASES:
             core[glyph : glyph + 1 + (core[glyph + 1] == "letter")] = ["letter"]
     if core[0] == "word" and len(core) > 1:
         return "word", _with(rest)

@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 
 from cellctl.assembly import Correction, Intent, Request
-from cellctl.listening.attributes import read_attributes, read_glyph
+from cellctl.listening.attributes import read_attributes, read_glyph, read_signs
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.frames import (
@@ -22,7 +22,8 @@ from cellctl.listening.frames import (
     is_told,
     plain_words,
 )
-from cellctl.listening.lexicon import LEXICON
+from cellctl.listening.lexicon import LEXICON, singular
+from cellctl.listening.numbers import DIGITS
 from cellctl.listening.phrases import NounPhrase, read_phrase, repair
 from cellctl.listening.snapping import snap
 from cellctl.listening.understanding.edits import Editing, read_edits
@@ -36,6 +37,7 @@ from cellctl.listening.understanding.words import look_up
 
 _TRY = 'Try "a simple stool" or "a shelf with two tiers".'
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[a-z]+(?:'[a-z]+)?")
+_PERCENT = re.compile(r"(?<=\d) ?%")
 _DECIMAL_COMMA = re.compile(r"\b(\d{1,3}),(\d{1,2})\b")
 _SUFFIXED_FIGURE = re.compile(r"(\d)(cm|mm|m|ft)\b")
 _HUMMING = re.compile(r"u+h+m*|u+m+|e+r+m+|e+h+m+|a+h+m+|h+m{2,}|m+h+m+|u+r+m+")
@@ -43,9 +45,12 @@ _HUMMING = re.compile(r"u+h+m*|u+m+|e+r+m+|e+h+m+|a+h+m+|h+m{2,}|m+h+m+|u+r+m+")
 _SLURRED = {"lemme": "let me", "gonna": "going to", "gotta": "have to", "d'you": "do you",
             "dya": "do you", "wouldja": "would you", "couldja": "could you", "whatcha": "what you",
             "y'all": "you", "'em": "them", "bout": "about",
-            "pls": "please", "plz": "please"}  # fmt: skip
+            "pls": "please", "plz": "please", "what'd": "what would", "that'd": "that would",
+            "there'd": "there would", "kinda": "kind of", "sorta": "sort of", "whit": "with",
+            "wit": "with", "wiv": "with", "fourty": "forty", "ninty": "ninety"}  # fmt: skip
 _STUTTER = re.compile(r"\b((?!\w+ by\b|by\b)[a-z']+(?: (?!by\b)[a-z']+){1,2})(?: \1\b)+")
 """Two or three words said again: ``I want, I want a ship``; no "twenty by twenty by twenty"."""
+_GOT_TO = re.compile(r"(?:(?<=\w)'s| has| have|(?<=\w)'ve) got to\b")
 _WANNA = re.compile(r"\bwanna (\w+)")
 _STYLE = re.compile(
     r"(?:[,.;] *(?:low poly|(?:\w+ )?aerial view|studio lighting|(?:high|highly) \w+|very \w+|"
@@ -54,6 +59,9 @@ _STYLE = re.compile(
     re.IGNORECASE,
 )
 """What is said to generators of pictures after the object."""
+_AS_IN = (("for",), ("as", "in"), ("like", "in"))
+"""``m for mother``."""
+_BEFORE_DIGITS = frozenset({"a", "the", "big", "large", "huge", "giant", "nice", "great"})
 _MOST_CHARACTERS = 600
 """What is longer was not said to a cell; it bounds the time that reading takes."""
 
@@ -102,7 +110,7 @@ def read_request(text: str, setting: Setting = DEFAULT_SETTING) -> Request:
 def _as_a_whole(heard: _Heard, setting: Setting) -> Request:
     plain = tuple(plain_words(heard.words))
     if (editing := read_edits(plain, setting.pitch_m)) is not None:
-        return _edit(heard, editing)
+        return _edit(heard, editing, setting.pitch_m)
     frame = find_frame(heard.words)
     if not frame.asks and is_question(plain):
         return Request(
@@ -122,7 +130,7 @@ def _reread(heard: _Heard, said: str, setting: Setting) -> Request | None:
     """The wish in a sentence that says something else as well; None where there is none."""
     clauses = [repair(snap(tokens(clause)).words) for clause in clauses_of(said)]
     for editing in readings_of_edits(heard.words, clauses, setting.pitch_m):
-        return _edit(heard, editing)
+        return _edit(heard, editing, setting.pitch_m)
     for reading in readings(heard.words, clauses):
         frame = find_frame(reading.words)
         if not frame.asks and (reading.asks or is_question(reading.words)):
@@ -138,11 +146,12 @@ def _reread(heard: _Heard, said: str, setting: Setting) -> Request | None:
 def tokens(text: str) -> list[str]:
     """Lower-case words and figures, without stutters; hyphens part words, figures and units."""
     plain = text.lower().replace("’", "'").replace("½", " half")  # noqa: RUF001
-    plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
+    plain = _PERCENT.sub(" percent", _DECIMAL_COMMA.sub(r"\1.\2", plain))
     words = _TOKEN.findall(_SUFFIXED_FIGURE.sub(r"\1 \2", plain))
     words = ["um" if _HUMMING.fullmatch(word) else _SLURRED.get(word, word) for word in words]
     once = [w for i, w in enumerate(words) if i == 0 or w != words[i - 1] or not w.isalpha()]
-    return _WANNA.sub(_wants, _STUTTER.sub(r"\1", " ".join(once))).split()
+    said = _GOT_TO.sub(" has to", _STUTTER.sub(r"\1", " ".join(once)))
+    return _WANNA.sub(_wants, said).split()
 
 
 def _wants(match: re.Match[str]) -> str:
@@ -159,6 +168,8 @@ def _design(heard: _Heard, frame: Frame, setting: Setting, more: tuple[str, ...]
     if purpose := object_for(wish):
         # What it is for leaves no doubt about what it is.
         wish = ("a", *purpose.split())
+    if (signs := read_signs(wish)) and (request := _signs(heard, wish, signs)) is not None:
+        return request
     sizes = read_sizes(wish, setting.pitch_m)
     phrase = read_phrase(wish, sizes.spans)
     if phrase is not None and phrase.determiner and (doing := acts_at(phrase.core)) is not None:
@@ -193,6 +204,30 @@ def _design(heard: _Heard, frame: Frame, setting: Setting, more: tuple[str, ...]
     )
 
 
+def _signs(heard: _Heard, wish: tuple[str, ...], signs: tuple[str, ...]) -> Request | None:
+    """Several letters: one is built at a time, and the first is asked for first."""
+    words = [word for word in wish if word not in LEXICON.determiners or len(word) == 1]
+    text = " ".join(words).removesuffix(" please")
+    noun = singular(words[0])
+    if refusal := refusal_of(words, words[-1]):
+        noun = words[-1]
+    return Request(
+        text=heard.text,
+        intent=Intent.DESIGN,
+        phrase=text,
+        objects=(noun,),
+        count=1 if noun == "word" or refusal else len(signs),
+        attributes={"glyph": signs[0]},
+        hints=("too_many",),
+        ask=f"I build one letter at a time. Shall I begin with the {signs[0]}?",
+        refusal=refusal,
+        corrections=heard.changes,
+        reason=_corrections(heard),
+        confidence=0.9,
+        why="it names letters to be built",
+    )
+
+
 def _unwanted(heard: _Heard, frame: Frame, phrase: NounPhrase, verdict: Verdict) -> Request:
     physical = verdict.judgement.physical
     if physical is False and verdict.abstract:
@@ -221,14 +256,21 @@ def _meant(frame: Frame) -> str:
 
 
 def _spell_out(wish: tuple[str, ...]) -> tuple[str, ...]:
-    """``a t`` is the letter T."""
+    """``a t`` is the letter T, ``a big zero`` the number 0."""
+    if wish == ("double", "u"):
+        return ("the", "letter", "w")
+    if len(wish) > 2 and len(wish[0]) == 1 and wish[1:-1] in _AS_IN and wish[-1] != "one":
+        return ("the", "letter", wish[0])
+    if len(wish) > 1 and wish[-1] in DIGITS and set(wish[:-1]) <= _BEFORE_DIGITS:
+        return ("the", "number", wish[-1])
     alone = len(wish) > 1 and len(wish[-1]) == 1 and set(wish[:-1]) <= {"a", "an", "the", "big"}
     return (*wish[:-1], "letter", wish[-1]) if alone else wish
 
 
-def _edit(heard: _Heard, editing: Editing) -> Request:
+def _edit(heard: _Heard, editing: Editing, pitch_m: float) -> Request:
     """``make it taller``; in ``make it a bench`` the new object is named."""
-    named = read_phrase(editing.replacement, []) if editing.replacement else None
+    sizes = read_sizes(editing.replacement, pitch_m)
+    named = read_phrase(editing.replacement, sizes.spans) if editing.replacement else None
     if editing.replacement:
         frame = Frame("making", editing.replacement)
         glyph = read_glyph(editing.replacement) is not None
@@ -241,6 +283,8 @@ def _edit(heard: _Heard, editing: Editing) -> Request:
         objects=named.objects if named else (),
         count=named.count if named else 0,
         attributes=read_attributes(editing.replacement, named.objects[0]) if named else {},
+        dimensions_m=sizes.metres,
+        dimension_sources=sizes.sources,
         edits=editing.edits,
         refusal=refusal_of(editing.replacement, named.objects[0]) if named else "",
         corrections=heard.changes,

@@ -32,10 +32,12 @@ _CONFUSED = {
 }  # fmt: skip
 """What recognisers write for a family's noun, where they do; each word is one of its own."""
 _RARER = {
-    "char": "chair", "chare": "chair", "tabled": "table", "tabel": "table", "binch": "bench",
-    "shelve": "shelf", "stoll": "stool",
+    "char": "chair", "chare": "chair", "cheer": "chair", "tabled": "table",
+    "tabel": "table", "binch": "bench", "shelve": "shelf", "stoll": "stool",
 }  # fmt: skip
 """Words that hardly anybody says, and what was meant."""
+_IF_MADE = {"share": "chair", "batch": "bench", "pinch": "bench", "self": "shelf"}
+"""What nobody has made."""
 _PLAIN = frozenset({"simple", "small", "little", "tall", "short"})
 _OPENERS = {"kneed": "need", "knead": "need", "bild": "build", "billed": "build"}
 _BUILD_SOUNDS = frozenset({"bill", "built", "bell", "bold", "billed"})
@@ -114,6 +116,7 @@ def snap(words: list[str]) -> Snapped:
     snapped = Snapped(list(words))
     _join_split_words(snapped)
     _correct_openers(snapped)
+    _correct_articles(snapped)
     _correct_parts(snapped)
     _correct_heads(snapped)
     _correct_letter(snapped)
@@ -145,9 +148,13 @@ def _correct_openers(snapped: Snapped) -> None:
             snapped.replace(index, index + 1, "build")
         if word in _OPENERS:
             snapped.replace(index, index + 1, _OPENERS[word])
-    # "I want to chair", "I want it throne": an article was misheard.
+
+
+def _correct_articles(snapped: Snapped) -> None:
+    """``I want to chair``, ``I want it throne``: an article was misheard."""
+    words = snapped.words
     for index in range(len(words) - 1):
-        opener = words[index] in ("want", "need", "make", "build")
+        opener = words[index] in ("want", "need", "make", "build", "like")
         wrong = words[index + 1] in ("to", "it", "too")
         if not (opener and wrong and index + 2 < len(words)):
             continue
@@ -157,7 +164,10 @@ def _correct_openers(snapped: Snapped) -> None:
         quality = (
             words[index] in ("make", "want") and words[index + 1] == "it" and _may_describe(noun)
         )
-        if noun in LEXICON.families or (last and noun in LEXICON.physical and not quality):
+        several = last and singular(noun) != noun and singular(noun) in LEXICON.families
+        if several:
+            snapped.replace(index + 1, index + 2, "two")
+        elif noun in LEXICON.families or (last and noun in LEXICON.physical and not quality):
             snapped.replace(index + 1, index + 2, "a")
         elif meant is not None and (entry := look_up(noun)) is not None and "p" in entry.parts:
             snapped.replace(index + 1, index + 3, "a", meant)
@@ -221,6 +231,8 @@ def _correct_heads(snapped: Snapped) -> None:
             continue
         rest = words[index + 1 :]
         better = _owner(rest, word) or _RARER.get(word) or _confused(rest, words[index - 1], word)
+        if better is None and LEXICON.verbs & set(words[:index]):
+            better = _IF_MADE.get(word)
         noun = singular(word)
         known = LEXICON.is_physical(noun) is not None or noun in LEXICON.parts
         if better is None and not known and word not in _NEVER_SNAPPED and not _is_noun(word):
@@ -279,7 +291,7 @@ def _correct_letter(snapped: Snapped) -> None:
         name = words[index + 1]
         last = index + 2 == len(words) or words[index + 2] in LEXICON.enders | LEXICON.fillers
         if (
-            words[index] in ("latter", "lettuce", "ladder", "litter", "leather")
+            words[index] in ("latter", "later", "lettuce", "ladder", "litter", "leather")
             and len(name) == 1
             and last
         ):

@@ -13,7 +13,7 @@ from cellctl.config import load_config
 from cellctl.description import FamilyDescription, PartsDescription, SpherePart
 from cellctl.errors import DesignError
 from cellctl.generating.describing import draw, realise
-from cellctl.generating.editing import edited
+from cellctl.generating.editing import change, edited
 from cellctl.generating.families import BY_NAME, FAMILIES
 from cellctl.generating.families.brief import Count, Flag
 from cellctl.listening.understanding.embedded import EmbeddedInterpreter
@@ -141,11 +141,16 @@ def test_an_edit_without_a_change_is_asked_about() -> None:
         edited(family("stool"), wish(), CONFIG)
 
 
-def said(description: Made, sentence: str) -> Made:
-    """A description as a visitor's sentence changes it."""
+def asked(sentence: str) -> Request:
+    """A visitor's sentence, which wants a change."""
     request = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING)
     assert request.intent is Intent.EDIT, request.why
-    return edited(description, request, CONFIG)
+    return request
+
+
+def said(description: Made, sentence: str) -> Made:
+    """A description as a visitor's sentence changes it."""
+    return edited(description, asked(sentence), CONFIG)
 
 
 def as_designed(name: str) -> FamilyDescription:
@@ -274,3 +279,55 @@ def test_smaller_leaves_what_is_one_part_deep() -> None:
     wall = family("wall")
     smaller = size_of(cells(said(wall, "smaller please")))
     assert smaller == tuple(size - (size > 1) for size in size_of(cells(wall)))
+
+
+def corners(description: Made) -> set[tuple[float, ...]]:
+    """Of its shape, from the middle of its floor."""
+    points = realise(description, CONFIG).vertices
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    return {tuple(point) for point in np.round(points - [*middle[:2], 0.0], 3) + 0.0}
+
+
+ARMCHAIR, WORM = (
+    family("armchair"),
+    PartsDescription(
+        title="worm",
+        parts=tuple(SpherePart(radius_m=0.1, at_m=(0.15 * i, 0.1 * i * i, 0.1)) for i in range(3)),
+    ),
+)
+
+
+@pytest.mark.parametrize("description", [ARMCHAIR, WORM], ids=["family", "parts"])
+def test_it_is_turned_round_and_by_quarters(description: Made) -> None:
+    left, around = said(description, "turn it to the left"), said(description, "turn it round")
+    assert corners(left) == {(-y + 0.0, x, z) for x, y, z in corners(description)}
+    assert corners(around) == {(-x + 0.0, -y + 0.0, z) for x, y, z in corners(description)}
+    assert corners(around) != corners(description) != corners(left)
+    back = said(said(around, "rotate it by ninety degrees"), "rotate it clockwise")
+    assert corners(back) == corners(description)
+    with pytest.raises(DesignError, match="by a quarter"):
+        said(description, "turn it by twenty degrees")
+
+
+def test_what_lies_across_has_the_room_and_the_sizes_of_that_way() -> None:
+    sofa = realise(said(said(family("sofa"), "rotate it"), "make it forty cm wide"), CONFIG)
+    assert np.allclose(np.ptp(sofa.vertices, axis=0)[1], 0.4)
+    assert sofa.stated_dimensions_m == {"depth": 0.4}
+    with pytest.raises(DesignError, match="all the room"):
+        said(said(family("sofa"), "rotate it"), "make it sixty cm wide")
+
+
+def test_changes_are_taken_back_one_after_the_other() -> None:
+    stool = realise(family("stool"), CONFIG)
+    taller = change(stool, asked("make it taller"), CONFIG)
+    bench = change(taller, asked("make it a bench"), CONFIG)
+    assert bench.title.startswith("bench")
+    once = change(bench, asked("undo that"), CONFIG)
+    assert once.description == taller.description
+    wide = change(once, asked("make it as it was before and make it wider"), CONFIG)
+    assert wide.description is not None
+    assert corners(wide.description) == corners(said(family("stool"), "make it wider"))
+    twice = change(once, asked("put it back as it was"), CONFIG)
+    assert twice.description == stool.description
+    with pytest.raises(DesignError, match="Nothing was changed"):
+        change(twice, asked("undo"), CONFIG)

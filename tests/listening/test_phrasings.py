@@ -39,6 +39,11 @@ THINGS = ("bench", "windmill")
         "need {}",  # no subject, no article
         "urm I ehm want a {}",
         "carve me a {}",
+        "if you could do a {} my son would be over the moon",  # a condition comes first
+        "does it know how to build a {}",  # what looks like a question
+        "anything really a {} perhaps",  # it stands for what was vague
+        "it has always been our dream to own a {}",  # no rule knows it; its words tell
+        "you wouldn't happen to have a {} would you",
     ],
 )
 def test_a_wish_in_any_order_is_one(sentence: str, thing: str) -> None:
@@ -61,6 +66,8 @@ def test_a_wish_in_any_order_is_one(sentence: str, thing: str) -> None:
         "nobody wants a {}",
         "I never liked a {}",
         "something to keep my sorrow in",
+        "would you rather be a {}",
+        "their neighbours keep a {} in the yard",
     ],
 )
 def test_the_same_order_may_tell_of_something(sentence: str) -> None:

@@ -318,6 +318,7 @@ class Conversation:
     async def _begin(self, said: Said) -> Line:
         if self._turns.waits_before(said.who.owner) and said.who.role is Role.VISITOR:
             request = said.request or await self._cell.wishes.understand(said.utterance)
+            request = request.with_nothing_to_change()
             if not request.buildable:
                 raise RefusedError(self.explain(said.utterance, request))
             return await self._queue(replace(said, request=request))

@@ -16,6 +16,7 @@ from cellctl.generating.families.brief import (
     Sign,
     Takes,
 )
+from cellctl.generating.wording import with_article
 
 _DEPTH = 3
 """A leg, the gap that tells two legs apart, and a leg."""
@@ -143,7 +144,7 @@ def _maker(name: str, usual: Measures) -> Callable[[Brief], Design]:
         boxes = tuple(Box(*cell, 1, 1, 1) for cell in sorted(_cells(own, body, legs)))
         return Design(brief.noun or name, boxes)
 
-    animal.__doc__ = f"A {name}, seen from its side."
+    animal.__doc__ = f"{with_article(name).capitalize()}, seen from its side."
     return animal
 
 

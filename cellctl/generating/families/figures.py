@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from cellctl.generating.boxes import Box
 from cellctl.generating.families.brief import Brief, Count, Design, Family, Flag, titled
 from cellctl.generating.families.forms import at_height, lying, standing
+from cellctl.generating.wording import with_article
 
 
 def person(brief: Brief) -> Design:
@@ -87,7 +88,7 @@ def _drawn(drawing: Drawing) -> Callable[[Brief], Design]:
         _, depth, height = brief.size(width, drawing.depth, height)
         return Design(brief.noun, standing(at_height(drawing.rows, height), depth))
 
-    figure.__doc__ = f"A {drawing.nouns[0]}, drawn from its side."
+    figure.__doc__ = f"{with_article(drawing.nouns[0]).capitalize()}, drawn from its side."
     return figure
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from cellctl.listening.lexicon import LEXICON
 from cellctl.listening.understanding.edit_words import BASES
 
 _QUALITY = "|".join(sorted(BASES.keys() - {"height", "width", "depth", "length", "size", "little"}))
@@ -15,6 +16,7 @@ _IT = r"(?P<it>it|that|this|them|the \w+(?: \w+)?)"
 _BETTER = r"(?:better|nicer|nice|great|good|cool|best)"
 _WOULD_BE = r"(?:it (?:would|might|could) be|it'd be)"
 _WANT = r"(?:i want|i need|i'd like|i'd prefer|i would like|i would prefer)"
+_COLOURS = "|".join(sorted(LEXICON.colours))
 _NUMBER = r"(?:one|two|three|four|five|six|seven|eight|nine|ten|\d+)"
 _HAVING = (
     r"(?:(?:please )?(?:(?:can|could|may|should) (?:it|we|i|you|they) (?:please )?(?:have|get|"
@@ -135,6 +137,27 @@ _REWRITES = tuple(
         (rf"(?:how|what) about (?P<rest>{_NUMBER} \w+)(?: instead| then)?", "{rest}"),
         (r"(?:can|could|should|may) (?:it|that|this) have (?P<rest>.+)", "with {rest}"),
         (r"try (?:it|that) (?P<rest>(?:with|without) .+)", "{rest}"),
+        (rf"{_IT} (?:must|should|could|ought to|may) be (?P<rest>{_COLOURS})", "make {it} {rest}"),
+        (r"(?:i'd|i would|we'd|maybe) (?P<rest>(?:lose|drop|remove|skip|add) .+)", "{rest}"),
+        (rf"(?:needs|wants|lacks|missing) (?P<rest>(?:an? )?{_ADDED_PARTS}s?)", "add {rest}"),
+        (
+            r"(?:can|could) (?:it|that|this) be (?:done|made|built) (?P<rest>(?:with|without) .+)",
+            "{rest}",
+        ),
+        (
+            r"(?:chop|cut|saw|trim|file) the (?P<part>\w+) (?P<rest>(?:a bit |a little )?\w+er)",
+            "make the {part} {rest}",
+        ),
+        (
+            r"(?P<rest>(?:one|two|three|an?) (?:more|extra|additional|further) \w+) "
+            r"(?:on top|on it|on top of it|at the (?:top|bottom|back)|underneath|below|above)",
+            "add {rest}",
+        ),
+        (
+            r"(?:the )?other one was (?P<rest>nicer|better|prettier)",
+            "it was {rest}",
+        ),
+        (r"(?:no )?not (?:like|as) (?:this|that) (?P<rest>\w+er)", "{rest}"),
         (rf"{_IT} could do with being (?P<rest>.+)", "make {it} {rest}"),
         (
             r"(?:could|can|shall|should) (?:we|you|it|i) go (?P<rest>(?:a (?:bit|little) |much "
@@ -223,6 +246,12 @@ _REWRITES = tuple(
             "make it more {rest}",
         ),
         (
+            rf"(?:change|set|reduce|increase|adjust|bring|put|raise|lower) (?:the|its) "
+            rf"(?P<part>height|width|depth|length)(?: up| down)? (?:to|at) (?P<rest>.+ {_UNITS})",
+            "make it {rest} in {part}",
+        ),
+        (r"(?:with|having) (?:no|without) (?P<rest>.+)", "without {rest}"),
+        (
             r"(?:change|set|reduce|increase) the (?P<part>\w+) to (?P<rest>\w+)",
             "with {rest} {part}",
         ),
@@ -298,9 +327,17 @@ _REWRITES = tuple(
         ),
         (r"i (?:want|need) (?P<rest>\w+) of (?:them|these|those)", "make that {rest}"),
         (
-            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be) (?P<rest>an? .+)",
+            r"(?:i said|i meant|i asked for|i wanted|i ordered|it should be|let it be|"
+            r"have it be|it shall be|i wish it was|i wish it were) (?P<rest>an? .+)",
             "make it {rest}",
         ),
+        (
+            rf"(?:{_HAVING}|add |put )an? (?:second|third|fourth|fifth|sixth) "
+            rf"(?P<rest>{_ADDED_PARTS}|(?<!second )shelf)(?: (?:in|on|to) (?:it|there))?",
+            "add another {rest}",
+        ),
+        (r"(?:go |a (?:bit|little) )?up(?P<rest>| a (?:bit|little)| by .+)", "raise it{rest}"),
+        (r"(?:go |a (?:bit|little) )?down(?P<rest>| a (?:bit|little)| by .+)", "lower it{rest}"),
     )
 )
 """Each pattern for a whole sentence, and what it comes to."""

@@ -13,14 +13,18 @@ from cellctl.listening.numbers import read_number
 Direction = Literal["+", "-"]
 EditAxis = Literal["width", "depth", "height", "length"]
 Unit = Literal["parts", "voxels", "metres", "times"]
+Said = Unit | Literal["percent"]
 
 _VOXELS = frozenset(
     {"block", "blocks", "voxel", "voxels", "cube", "cubes", "level", "levels", "brick", "bricks"}
 )
 _DEGREES = frozenset(
     {"a", "bit", "little", "slightly", "much", "lot", "way", "even", "somewhat", "far", "so", "too",
-     "not", "quite", "very", "really", "still", "just", "that", "as", "tad", "touch"}
+     "not", "quite", "very", "really", "still", "just", "that", "as", "tad", "touch", "wee", "tiny",
+     "smidge", "smidgen", "teeny", "fraction", "whole", "super", "extra", "pretty"}
 )  # fmt: skip
+_MOST_TAKEN = 0.95
+"""Of a size, whatever share is to be taken away."""
 _OTHER_PARTS = frozenset(
     {"seat", "top", "roof", "door", "window", "wheel", "handle", "base", "side", "pole", "column",
      "post", "pillar", "head", "tail", "ear", "neck", "wing", "chimney", "row", "block", "voxel",
@@ -41,8 +45,13 @@ class Trait:
     amount: float | None = None
     unit: Unit | None = None
 
-    def by(self, direction: Direction, amount: float | None, unit: Unit | None) -> Trait:
-        """The same that way and by so much."""
+    def by(self, direction: Direction, amount: float | None, unit: Said | None) -> Trait:
+        """The same that way and by so much; a share becomes a factor."""
+        if unit == "percent" and amount is not None:
+            share = amount / 100
+            factor = 1 + share if direction == "+" else 1 / (1 - min(share, _MOST_TAKEN))
+            return replace(self, direction=direction, amount=round(factor, 4), unit="times")
+        assert unit != "percent", "a share is of something"
         return replace(self, direction=direction, amount=amount, unit=unit)
 
 
@@ -149,8 +158,8 @@ def split_degree(words: Sequence[str]) -> tuple[set[str], list[str]]:
     return set(words[:end]), list(words[end:])
 
 
-def amount_of(words: Sequence[str]) -> tuple[float | None, Unit | None, list[str]]:
-    """``two blocks``, ``ten centimetres``, and the words after it."""
+def amount_of(words: Sequence[str]) -> tuple[float | None, Said | None, list[str]]:
+    """``two blocks``, ``ten centimetres``, ``ten percent``, and the words after it."""
     number = read_number(words, 0)
     if number is None and words[:1] in (["a"], ["an"], ["one"]) and len(words) > 1:
         number = (1.0, 1)
@@ -162,6 +171,8 @@ def amount_of(words: Sequence[str]) -> tuple[float | None, Unit | None, list[str
         return number[0], "voxels", rest
     if unit in UNITS_M:
         return round(number[0] * UNITS_M[unit], 4), "metres", rest
+    if unit == "percent":
+        return number[0], "percent", rest
     return None, None, list(words)
 
 

@@ -16,6 +16,7 @@ from cellctl.listening.lexicon import LEXICON, singular
 from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.edit_phrasing import phrasings
 from cellctl.listening.understanding.edit_traits import read_trait
+from cellctl.listening.understanding.edit_turns import read_turn
 from cellctl.listening.understanding.edit_words import (
     BASES,
     COMPARATIVES,
@@ -35,7 +36,7 @@ _LEAD = re.compile(
 )
 _TRAIL = re.compile(
     r" (?:please|this time|now|thanks|thank you|then|too|as well|if you can|if possible|to it|"
-    r"on it|from it|of it|for me)$"
+    r"on it|from it|of it|for me|(?:would|could|can|will) you)$"
 )
 _SUBJECT = r"(?P<subject>it|that|this|them|everything|the whole thing|the \w+(?: \w+)??)"
 _MAKE = re.compile(rf"(?:make|get|have|build|do) {_SUBJECT} (?:to be )?(?P<how>.+)")
@@ -69,7 +70,7 @@ _REPLACE = re.compile(
 )
 _COUNT = re.compile(r"make (?:that|it) (?P<number>[\w ]+)")
 _COLOUR = re.compile(
-    rf"(?:(?:make|paint|colour|color) {_SUBJECT} |in )(?P<colour>\w+)(?: instead)?"
+    rf"(?:(?:make|paint|colour|color|turn) {_SUBJECT} |in )(?P<colour>\w+)(?: instead)?"
 )
 _SAME = re.compile(
     r"(?:(?:make |do |build )?(?:exactly )?(?:the )?same(?: thing| one| again)*|that one|this "
@@ -88,6 +89,13 @@ _FEWER_PARTS = re.compile(
     r"(?P<count>\w+) (?P<named>\w+) (?:fewer|less)"
 )
 _WHERE = frozenset({"at", "on", "in", "near", "to"})
+_SHARES = {
+    **dict.fromkeys(("half", "a half"), "50 percent"),
+    **dict.fromkeys(("third", "a third", "one third"), "33.33 percent"),
+    **dict.fromkeys(("a quarter", "one quarter"), "25 percent"),
+}
+_NAMED_BEFORE = frozenset({"with", "without", "for", "that", "of", "not", "but", "instead"})
+"""What follows the noun of another object."""
 _THICKNESS = frozenset({"thick", "thin", "thicker", "thinner"})
 _BARE_COUNTS = frozenset({"legs", "tiers", "drawers"})
 
@@ -135,7 +143,7 @@ def _replacement(text: str) -> Editing | None:
     named = next(group for group in match.group("a", "b", "c", "d") if group)
     named = _INSTEAD.sub("", named)
     words = named.split()
-    ends = (i for i, word in enumerate(words) if word in ("with", "without", "for", "that", "of"))
+    ends = (i for i, word in enumerate(words) if word in _NAMED_BEFORE)
     noun = singular(words[next(ends, len(words)) - 1])
     if words[-1] in COMPARATIVES or words[-1] in BASES:
         return None  # "make it a bit taller", "a little less deep"
@@ -172,6 +180,7 @@ def _clause(text: str, pitch_m: float) -> tuple[Edit, ...] | None:
         _fixed,
         _removed,
         _added,
+        _turned,
     ):
         edit = reader(text, pitch_m)
         if edit is not None:
@@ -253,15 +262,17 @@ def _done(text: str, _pitch_m: float) -> Edit | None:
         return None
     verb = VERBS[match["verb"]]
     axis = size.axis if size is not None else verb.axis
-    _, rest = split_degree((match["how"] or "").removeprefix("by ").split())
+    how = (match["how"] or "").removeprefix("by ")
+    _, rest = split_degree(_SHARES.get(how, how).split())
     amount, unit, rest = amount_of([*rest, ""]) if rest else (None, None, [])
     if [word for word in rest if word]:
         return None
     if match["verb"] in ("double", "halve"):
         amount, unit = 2.0, "times"
+    trait = verb.by(verb.direction, amount, unit)
     return Edit(
-        op="scale", part=part, attribute=verb.attribute, axis=axis,
-        direction=verb.direction, amount=amount, unit=unit,
+        op="scale", part=part, attribute=trait.attribute, axis=axis,
+        direction=trait.direction, amount=trait.amount, unit=trait.unit,
     )  # fmt: skip
 
 
@@ -380,6 +391,10 @@ def _removed(text: str, _pitch_m: float) -> Edit | None:
         op="remove", part=named.part, attribute=named.attribute, amount=amount,
         unit="parts" if amount else None,
     )  # fmt: skip
+
+
+def _turned(text: str, _pitch_m: float) -> Edit | None:
+    return read_turn(text)
 
 
 def _whole(words: list[str]) -> int | None:

@@ -13,6 +13,8 @@ _NOTHING = Word(0.0, "-", "", proper=False)
 _SHAPES = LEXICON.comparatives | {"round", "square", "simple", "plain", "double", "single"}
 _OF_UNITS = frozenset({"shelving", "storage", "wall", "tv", "media", "display", "drawer", "kitchen",
                        "corner", "base", "vanity"})  # fmt: skip
+_WAYS = frozenset({"left", "right", "up", "down", "upwards", "downwards", "forward", "forwards",
+                   "backwards", "sideways", "north", "south", "east", "west"})  # fmt: skip
 _THING = 0.5
 """From here on a noun of the table is a thing."""
 
@@ -44,6 +46,8 @@ def judge(core: Sequence[str], head: str) -> Judgement:  # noqa: PLR0911 - the f
             continue
         compound = " ".join([*core[-size:-1], head])
         found = look_up(compound) or look_up(" ".join(core[-size:]))
+        if found is None and size == 2:
+            found = look_up("".join([*core[-2:-1], head]))  # a "fork lift" is a forklift
         if found is not None and found.proper and LEXICON.is_physical(head):
             break  # a "trojan horse" is a name for more than a horse, and a horse
         if found is not None and found.noun:
@@ -56,6 +60,8 @@ def judge(core: Sequence[str], head: str) -> Judgement:  # noqa: PLR0911 - the f
     if known is not None:
         why = f"{head!r} is listed as {'a thing' if known else 'no thing'}"
         return Judgement(known, 0.95, kind, why)
+    if "shaped" in core[:-1]:
+        return Judgement(True, 0.8, kind, "what has a shape is a thing")
     if entry is not None and entry.noun:
         return _by_table(head, entry.physical, entry.kind, entry.class_name)
     if entry is not None:
@@ -96,7 +102,8 @@ def is_participle(words: Sequence[str], index: int) -> bool:
     )
     if word.endswith("ing") and len(word) > 5:
         noun = entry is not None and entry.parts[:1] == "n" and entry.physical > _THING
-        return follows and not noun
+        ahead = index + 2 == len(words) and words[index + 1] in _WAYS
+        return (follows or ahead) and not noun
     if word.endswith("ed") and len(word) > 4:
         return follows and (entry is None or not (last or "n" in entry.parts))
     return False

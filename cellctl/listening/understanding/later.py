@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cellctl.assembly import Edit
+from cellctl.listening.contractions import spelled_out
 from cellctl.listening.frames import (
     MAKES,
     POLITE,
@@ -26,6 +27,7 @@ from cellctl.listening.numbers import read_number
 from cellctl.listening.understanding.asides import without_asides
 from cellctl.listening.understanding.edits import Editing, read_edits
 from cellctl.listening.understanding.judging import judge
+from cellctl.listening.understanding.likely import wished as likely
 from cellctl.listening.understanding.mentioned import mentioned
 from cellctl.listening.understanding.recasting import recast
 from cellctl.listening.understanding.words import look_up
@@ -63,7 +65,8 @@ _ONE_OF_THEM = re.compile(
 _SEARCHING = re.compile(
     r"\b(?:what's (?:it|that) called|what's the word|what do you call it|(?:how|what) (?:do "
     r")?you (?:say|call)"
-    r"(?: it| that)?|you know(?: what i mean)?|how shall i put it|the thingy)(?: |$)"
+    r"(?: it| that)?|i don't know|i dunno|let me (?:think|see)|you know(?: what i mean)?|how shall "
+    r"i put it|the thingy)(?: |$)"
 )
 _SAID_TWICE = re.compile(r"\b(an?|the|one of (?:those|these)) (?:an?|the) |\ban? (?=one of)")
 _LIKE = re.compile(r"(?:something|anything) like ")
@@ -71,6 +74,11 @@ _BEGIN_FEATURES = frozenset({"with", "without", "no", "about", "half", "say", "a
 _SHOWS = re.compile(r"(?:\w+ )?(?:look|see|watch)\b(?! for)")
 """Who shows somebody a tower wants none."""
 _POINTS_BACK = re.compile(r"\b(?:it|that|this|them|one|the \w+)\b")
+_AT_LAST = re.compile(
+    r"(?<= )(?:make|turn|set|paint) (?:it|them|that|this)\b|(?<= )give it\b|"
+    r"(?<= )(?:take|leave) (?:it|them|that|one) (?:off|away|out)\b|(?<= )(?:add|remove) "
+)
+"""Where a change begins that follows what was said about the object, without a pause."""
 _BREAKS = re.compile(r"[.!?;:\u2026]+(?!\d)|,(?!\d)|\s[-\u2013\u2014]+\s")
 
 
@@ -113,10 +121,13 @@ def readings(words: Sequence[str], clauses: Sequence[Sequence[str]]) -> Iterator
     yield from _with_please(words)
     if (named := _named_before(bare)) is not None:
         yield named
-    for wish in recast(bare):
-        yield Reading(tuple(wish.split()))
-    if (wished := mentioned(bare)) is not None:
-        yield Reading(("i", "want", *without_asides(" ".join(wished)).split()))
+    for said in dict.fromkeys((bare, spelled_out(bare))):
+        for wish in recast(said):
+            yield Reading(tuple(wish.split()))
+        if (wished := mentioned(said)) is not None:
+            yield Reading(("i", "want", *without_asides(" ".join(wished)).split()))
+    for mention in likely(text.split()):
+        yield Reading(("i", "want", *without_asides(" ".join(mention)).split()))
 
 
 def readings_of_edits(
@@ -130,6 +141,11 @@ def readings_of_edits(
     plain = [without_asides(" ".join(plain_words(tuple(clause)))) for clause in clauses]
     plain = [clause for clause in plain if clause]
     if len(plain) < 2:
+        for match in _AT_LAST.finditer(bare):
+            editing = read_edits(tuple(bare[match.start() :].split()), pitch_m)
+            if editing is not None and not editing.replacement:
+                yield editing
+                return
         return
     found = [read_edits(tuple(clause.split()), pitch_m) for clause in plain]
     said = [editing for editing in found if editing is not None]

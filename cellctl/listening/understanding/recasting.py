@@ -107,8 +107,14 @@ _NOT_THIS = re.compile(
 )
 _MADE_ONE = re.compile(rf"{MAKES}$")
 _VAGUE = re.compile(
-    rf"(?:.* )?(?:{MAKES}|want|need|like|love|give me|think of|try) (?:something|anything) "
-    r"(?:.* )?(?P<last>\w+) (?P<wish>an? (?:\w+ ){0,3}?\w+)(?: maybe| perhaps)?"
+    rf"(?:(?:.* )?(?:{MAKES}|want|need|like|love|give me|think of|try) )?(?:something|anything|"
+    r"(?:any|some)(?= \w+s ))(?: (?:.* )?(?P<last>\w+))? (?P<wish>an? (?:\w+ ){0,3}?\w+)"
+    r"(?: maybe| perhaps)?(?: or (?:something|anything|so))?"
+)
+_IF_FIRST = re.compile(
+    rf"if you (?:can|could|would|will|were to|are able to|manage) (?:to )?(?:{MAKES}|do) "
+    r"(?P<wish>an? .+?) (?:then )?(?:i|we|it|that|he|she|they|my \w+|our \w+|everyone|everybody)"
+    r"(?:'d|'ll| would| will| might)(?: .*)?"
 )
 _LACKS = re.compile(
     r"\b(?:no|not|don't|doesn't|haven't|without|lack|lost|broke|broken|need|needs|want|wants|like|"
@@ -124,19 +130,25 @@ def recast(text: str) -> Iterator[str]:
     """
     if (one := _named_earlier(text)) is not None:
         yield f"make {one}"
-    yield from _wished(text, (_VOTE, _NOT_THIS, _NEEDED, _CLEFT, _IF_YOU, _REPORTED))
+    yield from _wished(text, (_VOTE, _NOT_THIS, _NEEDED, _CLEFT, _IF_YOU, _IF_FIRST, _REPORTED))
     if speaks_against(text):
         return
     yield from (f"i want {wish}" for wish in _fronted(text.split()))
     yield from _wished(text, (_AS_SUBJECT, _SUGGESTED, _BECOMES, _JOY, _DECIDED, _SUCH_AS))
     match = _VAGUE.fullmatch(text)
-    if match is not None and match["last"] not in LEXICON.enders and _is_thing(match["wish"]):
+    if match is not None and _may_end(match["last"] or "") and _is_thing(match["wish"]):
         yield f"i want {match['wish']}"
     match = _CHOOSES.fullmatch(text)
     if match is not None and match["verb"] in _CHOOSING:
         head = _head_of(match["wish"])
         if match["verb"] not in _WEAK or head in LEXICON.families | FURNISHING:
             yield f"i want {match['wish']}"
+
+
+def _may_end(word: str) -> bool:
+    """Whether a phrase may end in a word: no preposition and no verb governs what follows it."""
+    entry = look_up(word)
+    return word not in LEXICON.enders | LEXICON.finite and not (entry and entry.parts[:1] == "v")
 
 
 def _wished(text: str, patterns: Sequence[re.Pattern[str]]) -> Iterator[str]:

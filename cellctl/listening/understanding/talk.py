@@ -71,7 +71,7 @@ FURNISHING = frozenset(
 """Furniture that no family of designs is called after."""
 _EDIBLE = frozenset("ds")
 _PEOPLE = frozenset({"one", "two", "three", "four", "five", "six", "eight", "1", "2", "4", "6"})
-_AFTER_PEOPLE = frozenset({"please", "by", "at", "in", "on", "near", "outside", "inside"})
+_AFTER_PEOPLE = frozenset({"by", "at", "in", "on", "near", "outside", "inside"})
 _SERVED_KINDS = frozenset({"rental", "credit", "debit", "aisle", "boarding", "savings", "checking"})
 _DRINKS = frozenset({"water", "wine", "beer", "coffee", "tea", "milk", "juice", "soda", "whiskey",
                      "champagne", "lemonade", "cola"})  # fmt: skip
@@ -113,7 +113,7 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
         not seats
         and after[:1] == ["for"]
         and set(after[1:2]) & _PEOPLE
-        and set(after[2:3]) <= _AFTER_PEOPLE
+        and set(after[2:3]) & _AFTER_PEOPLE
     ):
         return "it reserves a place for people"
     if after[:3] == ["by", "the", "window"]:

@@ -81,7 +81,7 @@ def is_wanted(  # noqa: PLR0911, PLR0912 - one way out a reason
     plain = len(phrase.core) == 1 and not phrase.rest
     if frame.of_speaker and plain and judgement.kind == "p" and not LEXICON.is_physical(head):
         return no("it is what somebody would like to be")
-    if judgement.physical is False:
+    if judgement.physical is False or (frame.of_doing and judgement.physical is None):
         return no(judgement.why, abstract=True)
     if head in talk().written and (frame.kind != "bare" or not phrase.determiner):
         return no(f"a {head} is written or drawn, not built")
@@ -186,9 +186,11 @@ def _no_article(  # noqa: PLR0911 - one way out a reason
     plural = phrase.core[-1] != head
     known = LEXICON.is_physical(head) is True
     entry = look_up(head)
-    if judgement.physical is None:
+    if head in LEXICON.characters:
+        return ""
+    if judgement.physical is None and not (frame.kind == "making" and _a_name(phrase.core)):
         return f"nothing is known of {head!r}, and it has no article"
-    if _named(phrase):
+    if judgement.physical is None or _named(phrase):
         return ""
     if frame.kind == "making":
         if judgement.kind in _MASS and not known:
@@ -227,6 +229,9 @@ def _describes(word: str) -> bool:
 def _is_idea(word: str) -> bool:
     """Whether a noun names no thing."""
     noun = singular(word)
+    entry = look_up(noun)
+    if entry is not None and entry.kind == "w" and entry.proper:
+        return False  # "the tower of pisa"
     return noun not in LEXICON.vague and judge((noun,), noun).physical is False
 
 
@@ -245,6 +250,14 @@ def _named(phrase: NounPhrase) -> bool:
         (entry := look_up(" ".join(core[start:]))) is not None and entry.proper
         for start in range(len(core) - 1)
     )
+
+
+def _a_name(core: tuple[str, ...]) -> bool:
+    """Whether words of which the last is unknown may be somebody's name: ``minecraft steve``."""
+    known = look_up(core[-2]) if len(core) == 2 else None
+    name = core[-1]
+    describes = _compares(name) or name.endswith(("ed", "ing", "ly"))
+    return len(core) <= 2 and (known is None or known.noun) and name.isalpha() and not describes
 
 
 def _odd(word: str) -> bool:

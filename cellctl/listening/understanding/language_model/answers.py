@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from cellctl.assembly import Attribute, Axis, Edit, Intent, Request
+from cellctl.assembly import Attribute, Axis, Edit, EditOp, Intent, Request
 from cellctl.listening.attributes import read_attributes
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.lexicon import singular
@@ -47,7 +47,7 @@ class _Attributes(_Checked):
 
 
 class _Edit(_Checked):
-    op: Literal["scale", "add", "remove", "set", "replace"]
+    op: EditOp
     part: Annotated[str, Field(pattern=r"^[a-z ]{0,40}$")] = ""
     attribute: Literal[
         "", "legs", "tiers", "steps", "drawers", "arches", "back", "arms", "lid", "glyph",
@@ -55,8 +55,8 @@ class _Edit(_Checked):
     ] = ""  # fmt: skip
     axis: Literal["width", "depth", "height", "length"] | None = None
     direction: Literal["+", "-"] | None = None
-    amount: Size | None = None
-    unit: Literal["parts", "voxels", "metres", "times"] | None = None
+    amount: Annotated[float, Field(gt=0.0, le=360.0)] | None = None
+    unit: Literal["parts", "voxels", "metres", "times", "degrees"] | None = None
     value: Count | bool | Noun | None = None
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from cellctl.assembly import EDIT_OPS
+
 PAPER_PROMPT = (
     "Your task is to analyze the given text and determine whether it refers to a physical object "
     "or shape that is not an abstract idea. If it refers to something physical, return the "
@@ -30,7 +32,8 @@ arms, lid; glyph is the letter or digit; colour in one word.
 width_m, depth_m, height_m: only sizes that are said, in metres; a size without a direction is a \
 height.
 edits: for "edit", each change in order. op "scale" with direction "+" or "-"; "add" and "remove" \
-with a part; "set" with an attribute and value; "replace" for another object.
+with a part; "set" with an attribute and value; "replace" for another object; "turn" with an \
+amount in degrees, anticlockwise from above; "undo" takes the last change back.
 question: what you would ask back when it is unclear, in one short sentence; otherwise empty."""
 _EXAMPLES = (
     (
@@ -90,13 +93,13 @@ ANSWER_SCHEMA = _object(
     edits={
         "type": "array",
         "items": _object(
-            op={"type": "string", "enum": ["scale", "add", "remove", "set", "replace"]},
+            op={"type": "string", "enum": list(EDIT_OPS)},
             part={"type": "string"},
             attribute={"type": "string"},
             axis=_nullable(type="string", enum=["width", "depth", "height", "length"]),
             direction=_nullable(type="string", enum=["+", "-"]),
             amount=_SIZE,
-            unit=_nullable(type="string", enum=["parts", "voxels", "metres", "times"]),
+            unit=_nullable(type="string", enum=["parts", "voxels", "metres", "times", "degrees"]),
             value={"anyOf": [{"type": kind} for kind in ("integer", "string", "boolean", "null")]},
         ),
     },
