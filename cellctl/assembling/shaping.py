@@ -169,17 +169,23 @@ class Shaper:
         )
 
     def tcp_limits(self, corners: Sequence[Corner], *, carrying: bool) -> list[tuple[float, float]]:
-        """Greatest speed (m/s) and acceleration (m/s2) of the TCP on each leg."""
+        """Greatest speed (m/s) and acceleration (m/s2) of the TCP on each leg. What holds with a
+        part in the gripper holds of an empty one too where it comes to touch a part."""
         robot = self._robot
-        speed_m_s, rate_m_s2 = robot.travel_speed_m_s, robot.travel_acceleration_m_s2
-        if carrying:
-            speed_m_s = min(speed_m_s, robot.carrying_speed_m_s)
-            rate_m_s2 = min(rate_m_s2, robot.carrying_acceleration_m_s2)
-        slow = (
-            min(speed_m_s, robot.approach_speed_m_s),
-            min(rate_m_s2, robot.approach_acceleration_m_s2),
+        free = (robot.travel_speed_m_s, robot.travel_acceleration_m_s2)
+        careful = (
+            min(free[0], robot.carrying_speed_m_s),
+            min(free[1], robot.carrying_acceleration_m_s2),
         )
-        return [slow if corner.slow else (speed_m_s, rate_m_s2) for corner in corners]
+        slow = (
+            min(careful[0], robot.approach_speed_m_s),
+            min(careful[1], robot.approach_acceleration_m_s2),
+        )
+        fast = careful if carrying else free
+        limits = [slow if corner.slow else fast for corner in corners]
+        if self._square and limits:
+            limits[-1] = careful  # it has no slow stretch of its own
+        return limits
 
     def _climb(self, here: Matrix, height_m: float, slow_m: float, shape: Shape) -> list[Corner]:
         """Straight up: slowly off whatever is touched, then fast."""

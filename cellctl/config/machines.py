@@ -30,9 +30,11 @@ class RobotSection(Section):
     travel_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)]
     """Acceleration of the TCP, in its curves too."""
     carrying_speed_m_s: Annotated[float, Field(gt=0.0, le=3.0)] = 3.0
-    """The most with a part in the gripper, where that is less."""
+    """The most with a part in the gripper, and where an empty one comes to touch a part, where that
+    is less."""
     carrying_acceleration_m_s2: Annotated[float, Field(gt=0.0, le=20.0)] = 20.0
-    """The most with a part in the gripper, where that is less."""
+    """The most with a part in the gripper, and where an empty one comes to touch a part, where that
+    is less."""
     carrying_measured: Annotated[str, Field(max_length=200)] = ""
     """What these two rest on: date, object and how often it stood; `cellctl calibrate speed` writes
     all three."""
