@@ -70,6 +70,19 @@ def wishes(
     return Wishes(strict, leaving)
 
 
+def sloped(wanted_m: Floats, slope_m: Floats, level_m: float) -> Floats:
+    """The same wishes near an end of the way, where a slope is enough for what is no higher than
+    the part there.
+
+    Args:
+        wanted_m: least heights at even shares of the way.
+        slope_m: heights that are enough.
+        level_m: wishes that are higher stay.
+    """
+    enough: Floats = np.where(wanted_m <= level_m + _TINY_M, slope_m, np.inf)
+    return np.minimum(wanted_m, enough)
+
+
 def profile(
     wanted_m: Floats, start_m: float, end_m: float, bulge_m: Floats
 ) -> list[tuple[float, float]]:

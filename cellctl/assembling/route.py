@@ -2,8 +2,9 @@
 
 Nothing moves but along a route that this module made or checked. A route goes straight up from
 where the gripper is, crosses at the lowest heights that keep ``robot.clearance_m`` from everything
-below, and goes straight down, its corners rounded; it is slow where parts touch. All of it is
-checked along its whole length: reach, one arm configuration, joint speed and acceleration, and what
+below, and goes straight down, its corners rounded; it is slow where parts touch. An empty gripper
+leaves and comes on a slope where nothing near is higher. All of it is checked along its whole
+length: reach, one arm configuration, joint speed and acceleration, and what
 the arm, the gripper and its part sweep.
 """
 
@@ -358,7 +359,7 @@ class RoutePlanner:
         Raises:
             PlanError: there is no such way.
         """
-        start = self.home if previous is None else self.place_stance(previous)
+        start = self.home if previous is None else self.freed(previous)
         fetch = self.to_pick(start, placed)
         bring = self.to_seat(cell, fetch.end, placed, pace)
         standing_s = self.closing_s + self.placing_s(cell, placed)
@@ -366,6 +367,17 @@ class RoutePlanner:
             clearance_m=bring.crossing_height_m,
             duration_s=fetch.duration_s + bring.duration_s + standing_s,
         )
+
+    def freed(self, cell: Cell) -> Stance:
+        """Where the gripper was felt to be free of a part that it let go.
+
+        Raises:
+            PlanError: as for ``place_stance``.
+        """
+        seat = self.place_stance(cell)
+        tcp = to_matrix(seat.tcp_pose)
+        free = self._frames.raised(tcp, self._frames.height_m(tcp) + self._depth_m)
+        return self._stance(free, _name(cell), near=seat.joints_rad)
 
     def placing_s(self, cell: Cell, placed: Collection[Cell]) -> float:
         """What bringing a part to a cell costs beside its way: being set out for, the latch, and

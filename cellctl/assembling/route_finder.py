@@ -31,8 +31,10 @@ _FLUSH_M = 0.0008
 """Joints that go straight all the way may overlap this much with what a part stands beside."""
 _STRAIGHT_LIFT_M = 0.032
 """Lifted so far and no way aside, a part comes off one that sticks to it on the belt."""
-_STRAIGHT_DOWN_M = 0.015
-"""The last of the way to a place beside others, below the curve that leads there."""
+_LEAVING_SLOPE = 0.5
+_COMING_SLOPE = 0.35
+"""How steeply an empty gripper leaves a part and comes to one where nothing near that is higher, so
+that the base, which has the longest way, turns meanwhile."""
 _CUT_M = 0.25
 """A way across that is longer than this is cut, so that each piece has a speed of its own: where
 the TCP is far from the base it is as fast as it may be at fewer radians a second."""
@@ -50,6 +52,8 @@ class RouteFinder:
 
     def __init__(self, config: CellConfig, frames: Frames, checker: RouteChecker) -> None:
         self._clearance_m = config.robot.clearance_m
+        self._slow_m = config.robot.approach_height_m
+        self._leaves_free = config.robot.touch_depth_m > 0.0
         curve_m = min(config.robot.blend_radius_m, self._clearance_m)
         self._lift_m = _STRAIGHT_LIFT_M + curve_m
         self._pitch_m = config.voxel.pitch_m
@@ -136,7 +140,7 @@ class RouteFinder:
 
     def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
         """Ways across, by their heights; the first ones lead away from what stands beside their
-        beginning without passing over it."""
+        beginning without passing over it, and an empty gripper leaves and comes on a slope."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
         from_m, to_m = self._frames.height_m(here), self._frames.height_m(there)
         leaving_m = max(self._clearance_m, self._lift_m if scene.carrying else 0.0)
@@ -165,7 +169,22 @@ class RouteFinder:
         found = [level(wanted.strict_m, from_m, to_m)]
         if not np.array_equal(wanted.strict_m, wanted.leaving_m):
             found.insert(0, level(wanted.leaving_m, from_m + leaving_m, to_m))
-        return found
+        if scene.carrying or not self._leaves_free:
+            return found
+
+        def sloped(wanted_m: Floats) -> Shape:
+            for end, slope, seat_m, begin_m in (
+                (0, _LEAVING_SLOPE, from_m, from_m),
+                (-1, _COMING_SLOPE, to_m, to_m + self._slow_m),
+            ):
+                aside = np.linalg.norm((points - points[end])[:, :2], axis=1)
+                wanted_m = crossing.sloped(
+                    wanted_m, begin_m + slope * aside, seat_m + self._clearance_m + TOUCH_M
+                )
+            return level(wanted_m, from_m, to_m + self._slow_m)
+
+        ways = [wanted.leaving_m, wanted.strict_m][2 - len(found) :]
+        return [*(sloped(way) for way in ways), *found]
 
     def _across(self, start: Stance, here: Matrix, there: Matrix) -> tuple[Floats, Floats, float]:
         """Where the TCP goes while the joints go straight across above both ends, and how high

@@ -19,6 +19,8 @@ from cellctl.config import CellConfig
 _SAME_PLACE_M = 0.002
 _SAME_TURN_RAD = 0.01
 _SLOW_BLEND_M = 0.001
+_SLOW_TURN_BLEND_M = 0.002
+"""Beside a slow stretch: straight on, and where it is come to on a slope."""
 _THROUGH_BLEND_M = 0.006
 _CORNER_SHARE = 0.7
 """Of a piece of a way up or down that ends at the way across: so much of it is for the curve."""
@@ -235,10 +237,15 @@ class Shaper:
         poses = [start, *(corner.tcp for corner in corners)]
         ways = [b[:3, 3] - a[:3, 3] for a, b in itertools.pairwise(poses)]
         lengths_m = [math.sqrt(float(way @ way)) for way in ways]
-        # A blend is as slow as the slower of its legs, so it is kept short beside a slow one.
+        # A blend is as slow as the slower of its legs, so it is kept short beside a slow one; but a
+        # sharp turn would be slower still.
         small = [
-            _SLOW_BLEND_M if one.slow or other.slow else _THROUGH_BLEND_M if one.through else 0.0
-            for one, other in itertools.pairwise(corners)
+            (_SLOW_BLEND_M if stacked(one.tcp, before) else _SLOW_TURN_BLEND_M)
+            if one.slow or other.slow
+            else _THROUGH_BLEND_M
+            if one.through
+            else 0.0
+            for before, (one, other) in zip(poses, itertools.pairwise(corners), strict=False)
         ]
         for i in range(len(corners) - 1):
             first, last = i == 0, i + 2 == len(corners)

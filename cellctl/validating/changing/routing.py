@@ -61,7 +61,11 @@ def routed(
                 cells=(step.cell,),
             ) from error
         if bring is not None:
-            at, height_m = bring.end, bring.crossing_height_m
+            placed = step.kind is StepKind.PLACE
+            at, height_m = (
+                planner.freed(step.cell) if placed else bring.end,
+                bring.crossing_height_m,
+            )
             took_s += bring.duration_s
         steps.append(
             step.model_copy(
