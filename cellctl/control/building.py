@@ -27,6 +27,7 @@ log = structlog.get_logger(__name__)
 
 _FREE = "off the part that was let go"
 _STATION = "to the pick station"
+_UNFELT = "nothing is felt under the gripper"
 
 
 class Builder(Acting):
@@ -275,28 +276,15 @@ class Builder(Acting):
                 step.cell, partial(self._travel, job=job, key=_FREE), self._next_prepared(job)
             )
             act.moves = (Move.PLACE,)
+            if not stands:
+                self._open_act = None  # nothing is in doubt: it was let go, and fell
+                act.failed(_UNFELT, Move.PLACE, Move.LOSE_PLACED)
         if not stands:
-            await self._fell(job, step.cell)
+            job.standing = self.standing
+            raise CellFault("part_fell", f"At {list(step.cell)} {_UNFELT}.")
         job.outcomes.append(self._outcome(step))
         job.standing = self.standing
         return job.outcomes[-1]
-
-    async def _fell(self, job: Job, cell: Cell) -> None:
-        """A part that was let go does not stand: nobody knows where it is.
-
-        Raises:
-            CellFault: ``part_fell``, or ``journal_failed``.
-        """
-        detail = "nothing is felt under the open gripper"
-        await self._journal.record(
-            ActKind.MISSING,
-            job_id=job.job_id,
-            cell=cell,
-            detail=detail,
-            moves=(Move.LOSE_PLACED,),
-        )
-        job.standing = self.standing
-        raise CellFault("part_fell", f"At {list(cell)} {detail}.")
 
     def _outcome(self, step: Step) -> PartOutcome:
         """What the step took, since the one before; the next one counts from here."""

@@ -85,7 +85,8 @@ class Ledger(Value):
             assert act.cell is not None, "a part is placed at a cell"
             if act.cell in self.standing:
                 raise InventoryError(f"Two parts would stand at {act.cell}.")
-            return self.standing | {act.cell}
+            # One that was let go and fell never stood.
+            return self.standing if Move.LOSE_PLACED in act.moves else self.standing | {act.cell}
         if Move.LOSE_PLACED in act.moves or Move.TAKE_OFF in act.moves:
             assert act.cell is not None, "a part that is gone had a cell"
             return self.standing - {act.cell}

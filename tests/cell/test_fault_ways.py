@@ -15,6 +15,7 @@ from cellctl.cli.speed_walk import SpeedWalk, column
 from cellctl.control.acts import ActKind
 from cellctl.control.journal_reader import JournalReader
 from cellctl.errors import CellctlError, RefusedError
+from cellctl.feeding.inventory import Move
 from cellctl.messages import CountCommand, MissingCommand, RecoverCommand
 from tests.cell.faulty import begin, expect_fault, finish_as_planned, reset, reset_and_resume
 from tests.cell.harness import RunningCell, running_cell
@@ -269,7 +270,7 @@ class Standing:
         raise AssertionError(f"nothing is in question in these trials: {question}")
 
     def removed(self, what: str) -> bool:
-        assert "nothing is felt under the open gripper" in what
+        assert "nothing is felt under the gripper" in what
         self._removed()
         self._cell.world.clear_workspace()
         return True
@@ -293,10 +294,13 @@ def test_a_part_is_set_down_too_hard_in_a_trial_of_speed(idle: RunningCell) -> N
     idle.assert_inventory_true()
     with JournalReader(Path(idle.config.journal.path)) as journal:
         noted = [act.detail for act in journal.acts("") if act.kind is ActKind.CALIBRATED]
-        paces = [stored.record.pace for stored in journal.jobs(3)]
+        jobs = [stored.record for stored in journal.jobs(3)]
+        released = [act for act in journal.acts(jobs[-1].job_id) if act.kind is ActKind.RELEASE]
     assert noted[-2] == "speed: column.json at 2.5 m/s and 2.5 m/s2: 0 of 1 stood"
     assert noted[-1].startswith("speed: column.json at 1.5 m/s and 1.5 m/s2: 1 of 1 stood")
-    assert paces == [None, quick, hard]
+    assert [job.pace for job in jobs] == [None, quick, hard]
+    told = [(act.outcome, act.detail, act.moves) for act in released]
+    assert told == [("failed", "nothing is felt under the gripper", (Move.PLACE, Move.LOSE_PLACED))]
 
 
 def test_a_part_that_sticks_to_the_gripper_is_not_torn_off(idle: RunningCell) -> None:

@@ -107,6 +107,16 @@ def test_a_part_that_is_missing_leaves_its_cell() -> None:
     assert gone.counts.unknown == 1
 
 
+def test_a_part_that_falls_when_it_is_let_go_stands_nowhere() -> None:
+    fell = act(ActKind.RELEASE, Move.PLACE, Move.LOSE_PLACED, cell=HERE, outcome="failed")
+    ledger = after(PICK, PLACE, fell)
+    assert ledger.standing == frozenset()
+    assert ledger.counts.unknown == 1
+    assert not ledger.holding
+    assert not ledger.missed
+    assert ledger.after(PICK).after(PLACE).after(RELEASE).standing == frozenset({HERE})
+
+
 def test_clearing_takes_everything_out() -> None:
     clear = act(ActKind.CLEAR, Move.TAKE_APART)
     assert after(PICK, PLACE, RELEASE, clear) == after(PICK, PLACE, RELEASE, clear).model_copy(
