@@ -7,6 +7,7 @@ target, and how far it is off that tells more.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Protocol
 
 from cellctl.assembling.poses import to_matrix
@@ -16,6 +17,11 @@ if TYPE_CHECKING:
     from cellctl.config import CellConfig
     from cellctl.config.machines import RobotSection
     from cellctl.config.section import Vector
+
+_FAST_M_S = 0.3
+"""An arm that is slower shows little of how far it is behind."""
+_SPARE = 1.25
+"""So many times what it showed may it be behind elsewhere on the same movement."""
 
 
 class Feeling(Protocol):
@@ -32,6 +38,14 @@ class Feeling(Protocol):
 
     def upward(self, state: ArmState) -> float:
         """What one state says."""
+        ...
+
+    def begin(self) -> None:
+        """A movement begins: what an earlier one showed counts no longer."""
+        ...
+
+    def watch(self, state: ArmState) -> None:
+        """The arm moves where it can meet nothing: see what it says of itself there."""
         ...
 
     def slack(self, state: ArmState) -> float:
@@ -66,6 +80,12 @@ class ByForce:
     def upward(self, state: ArmState) -> float:
         return _along(self._upward, state.tcp_force_n)
 
+    def begin(self) -> None:
+        """A sensor says nothing of itself."""
+
+    def watch(self, state: ArmState) -> None:
+        """A sensor says nothing of itself."""
+
     def slack(self, state: ArmState) -> float:  # noqa: ARG002 - the same form as the other
         return 0.0
 
@@ -80,7 +100,8 @@ class ByMotion:
     """By how far the arm is from where its controller wants it; values are in metres.
 
     An arm that moves is a little behind its target though it meets nothing, the more the faster it
-    is; that much does not count.
+    is; that much does not count. How much it is, each movement shows on its way across; what is
+    configured is the most that is believed.
 
     Args:
         robot, upward: as for ``ByForce``.
@@ -91,12 +112,24 @@ class ByMotion:
 
     def __init__(self, robot: RobotSection, upward: Vector) -> None:
         self._upward = upward
-        self._following_s = robot.following_s
+        self._most_s = self._following_s = robot.following_s
+        self._seen_s = 0.0
         self.touches = robot.touch_lag_m
         self.early = robot.early_lag_m
 
     def upward(self, state: ArmState) -> float:
         return _along(self._upward, state.tcp_lag_m)
+
+    def begin(self) -> None:
+        self._seen_s = 0.0
+        self._following_s = self._most_s
+
+    def watch(self, state: ArmState) -> None:
+        if state.tcp_speed_m_s < _FAST_M_S:
+            return
+        behind_s = math.hypot(*state.tcp_lag_m) / state.tcp_speed_m_s
+        self._seen_s = max(self._seen_s, behind_s)
+        self._following_s = min(self._most_s, _SPARE * self._seen_s)
 
     def slack(self, state: ArmState) -> float:
         return state.tcp_speed_m_s * self._following_s

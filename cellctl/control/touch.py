@@ -71,6 +71,7 @@ class Touch:
         feeling = self._feeling
         seat = self._hands.routes.place_stance(cell).tcp_pose[:3]
         readings: deque[float] = deque(maxlen=feeling.moving)
+        feeling.begin()
         read_s: float | None = None
         while not move.done():
             state = self._hands.state()
@@ -84,6 +85,8 @@ class Touch:
                 met = fmean(readings)
                 if met > feeling.early and len(readings) == readings.maxlen:
                     return feeling.told(met)
+            else:
+                feeling.watch(state)
             await self._clock.sleep(_POLL_S)
         return ""
 

@@ -52,3 +52,24 @@ def test_an_arm_that_is_only_on_its_way_meets_nothing() -> None:
     assert feeling.upward(falling) - feeling.slack(falling) < feeling.early
     stopped = state(tcp_lag_m=(0.0, 0.0, 0.004), tcp_speed_m_s=0.05, moving=True)
     assert feeling.upward(stopped) - feeling.slack(stopped) > feeling.early
+
+
+def test_an_arm_shows_on_its_way_across_how_far_it_is_behind() -> None:
+    feeling = feeling_of(cell_config(robot=UR10))
+
+    def excused_m(speed_m_s: float) -> float:
+        """How much farther than it is by itself, 8 ms, it may be behind."""
+        return feeling.slack(state(tcp_speed_m_s=speed_m_s)) - 0.008 * speed_m_s
+
+    unknown_m = excused_m(0.54)
+    assert unknown_m == pytest.approx(0.0043, abs=1e-4)
+    feeling.begin()
+    feeling.watch(state(tcp_lag_m=(0.0008, 0.0, 0.0), tcp_speed_m_s=0.05))  # says little
+    assert excused_m(0.54) == unknown_m
+    for lag_m, speed_m_s in ((0.0024, 0.3), (0.0081, 1.0)):
+        feeling.watch(state(tcp_lag_m=(0.0, lag_m, 0.0), tcp_speed_m_s=speed_m_s))
+    assert 0.0 < excused_m(0.54) < 0.3 * unknown_m
+    feeling.watch(state(tcp_lag_m=(0.0, 0.03, 0.0), tcp_speed_m_s=1.0))  # never more than is told
+    assert excused_m(0.54) == pytest.approx(unknown_m)
+    feeling.begin()
+    assert excused_m(0.54) == unknown_m
