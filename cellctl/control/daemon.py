@@ -121,6 +121,7 @@ class Daemon:
             asks=lambda: self.conversation.asks,
             changes=lambda text: self.conversation.is_change(text),  # noqa: PLW0108 - made below
             sayings=Phrasebook(wording).sayings,
+            say=lambda text: self.conversation.tell(text),  # noqa: PLW0108 - made below
             translated=wording.translated,
         )
         self.turns = Turns(config, self.clock)

@@ -44,6 +44,11 @@ _WAITING_LIMIT = 4
 _FOLLOW_EVERY_S = 0.05
 """How often the state is looked at (wall time)."""
 _NOT_UNDERSTOOD = "I heard nothing that I could understand. Please say it again."
+_DEAF = "I cannot make out spoken words at the moment. Please type them."
+_CALLED = frozenset({"wake_word", "push_to_talk"})
+"""After these somebody waits for an answer; other sound may be anything."""
+_AT_ONCE = frozenset({"stop", "pause"})
+"""Words that wait for nothing said before them, such as a wish that a language model reads."""
 
 
 T = TypeVar("T")
@@ -77,6 +82,7 @@ class LiveEars:
         asks: whether a yes or a no would be an answer now.
         changes: whether words change what the one in front is asked about.
         sayings: words of command in the cell's language.
+        say: says a sentence to the people in front of the cell.
         translated: puts a sentence into that language.
     """
 
@@ -91,6 +97,7 @@ class LiveEars:
         asks: Callable[[], bool],
         changes: Callable[[str], Awaitable[bool]],
         sayings: Sayings,
+        say: Callable[[str], None],
         translated: Callable[[str], str],
     ) -> None:
         self._settings = settings
@@ -104,11 +111,14 @@ class LiveEars:
         self._asks = asks
         self._changes = changes
         self._sayings = sayings
+        self._say = say
         self._translated = translated
         self._ears = Ears(settings) if settings.microphone != "none" else None
         self._segments: asyncio.Queue[Segment] = asyncio.Queue(_WAITING_LIMIT)
         self._heard: asyncio.Queue[tuple[Segment, str]] = asyncio.Queue(_WAITING_LIMIT)
         """What is no stop, with what the cell itself said meanwhile."""
+        self._said: asyncio.Queue[tuple[Segment, Utterance, str]] = asyncio.Queue(_WAITING_LIMIT)
+        """What was recognised, in its order: what is done about it may take its time."""
         self.data = EarsData(
             state="off" if self._ears is None else "starting",
             activation=settings.activation,
@@ -131,6 +141,7 @@ class LiveEars:
                 tasks.create_task(self._events(self._ears), name="ears events")
                 tasks.create_task(self._look_for_stops(take), name="ears stop")
                 tasks.create_task(self._recognise(take), name="ears recognise")
+                tasks.create_task(self._do_all(take), name="ears do")
         finally:
             await self._drafts.close()
 
@@ -217,31 +228,42 @@ class LiveEars:
         while True:
             segment = await self._segments.get()
             own = self._own_words(segment)
-            with self._surviving():
+            with self._surviving(segment):
                 if not await self._stopped_at_once(segment, own, take):
                     _put(self._heard, (segment, own))
 
     async def _recognise(self, take: Take) -> None:
         while True:
             segment, own = await self._heard.get()
-            with self._surviving():
+            with self._surviving(segment):
                 utterance = await self._drafts.result(segment)
-                command = overheard_command(utterance.text) is not None
-                others = of_others(utterance.text, own, command=command)
+                command = overheard_command(utterance.text)
+                others = of_others(utterance.text, own, command=command is not None)
                 if utterance.text and not others:
                     log.info("own voice heard")
                     continue
                 said = utterance.model_copy(update={"text": others})
+                if overheard_command(others, self._sayings) in _AT_ONCE:
+                    await self._judge(segment, said, own, take)
+                else:
+                    _put(self._said, (segment, said, own))
+
+    async def _do_all(self, take: Take) -> None:
+        while True:
+            segment, said, own = await self._said.get()
+            with self._surviving(segment):
                 await self._judge(segment, said, own, take)
 
     @contextmanager
-    def _surviving(self) -> Iterator[None]:
+    def _surviving(self, segment: Segment) -> Iterator[None]:
         """Tell what went wrong with what was heard, and go on: the next word may be "stop"."""
         try:
             yield
         except HearingError as error:
             log.warning("speech not recognised", reason=str(error))
             self._tell(str(error))
+            if segment.after in _CALLED:
+                self._say(self._translated(_DEAF))
         except CellctlError as error:
             log.info("not done", reason=str(error))
             self._tell(str(error))
@@ -278,6 +300,8 @@ class LiveEars:
         if segment.after and not utterance.text:
             self._publish(SpeechData(utterance=utterance))
             self._tell(_NOT_UNDERSTOOD)
+            if segment.after in _CALLED:
+                self._say(self._translated(_NOT_UNDERSTOOD))
         elif segment.after or (word is not None and self._counts(word, utterance.text)):
             said = utterance if word != "stop" else utterance.model_copy(update={"text": word})
             await self._do(said, segment, take)

@@ -57,6 +57,8 @@ class ModelServer:
         self.requests: list[dict[str, Any]] = []
         """Bodies that came in, in order."""
         self.keys: list[str | None] = []
+        self.asked = threading.Semaphore(0)
+        """Counts them, for who waits for one."""
         self.ended = threading.Event()
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self._server.daemon_threads = False
@@ -81,6 +83,7 @@ class ModelServer:
     def _next(self, body: dict[str, Any], key: str | None) -> Reply:
         self.requests.append(body)
         self.keys.append(key)
+        self.asked.release()
         return self.replies.pop(0) if len(self.replies) > 1 else self.replies[0]
 
     def _handler(self) -> Callable[..., BaseHTTPRequestHandler]:

@@ -226,6 +226,11 @@ class Conversation:
         fields = {"name": entry.name} if entry.name else {}
         self._board.say(self._wording.line(key, wish=entry.wish, **fields))
 
+    def tell(self, text: str) -> None:
+        """Say something in the cell's language that is no answer: no words were made out."""
+        self._transcript.keep("cell", text)
+        self._board.say(Line(key="told", text=text, language=self._wording.language))
+
     def note(self, data: StatusData) -> None:
         """Something was published: the machine may have gone elsewhere."""
         if isinstance(data, StateData):
