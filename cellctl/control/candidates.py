@@ -13,6 +13,7 @@ from itertools import chain
 
 from cellctl.assembly import BuildPlan, Change
 from cellctl.config import CellConfig
+from cellctl.control.plainly import reason
 from cellctl.control.proposals import Chosen, Proposals
 from cellctl.errors import CellctlError, DesignError, PlanError
 from cellctl.generating.others import others
@@ -97,7 +98,7 @@ def choose(
                 continue
             verdict = _verdict(mesh, plan)
             if best is None or verdict < best[0]:
-                best = (verdict, mesh, plan if wish.shown else _told(plan, first, refusal))
+                best = (verdict, mesh, plan if wish.shown else _told(plan, refusal))
             if _good(plan):
                 break
     if best is None:
@@ -150,8 +151,8 @@ def _verdict(mesh: GeneratedMesh, plan: BuildPlan) -> Verdict:
     )
 
 
-def _told(plan: BuildPlan, first: GeneratedMesh, refusal: PlanError | None) -> BuildPlan:
+def _told(plan: BuildPlan, refusal: PlanError | None) -> BuildPlan:
     """The plan, which says that it is not of the shape that was thought of first."""
-    why = refusal.message if refusal is not None else "I could have kept little of that shape."
-    told = Change(what=f"It is another one than I thought of first ({first.title}).", why=why)
+    why = reason(refusal) if refusal is not None else "I could have kept little of that shape."
+    told = Change(what="It is another one than I thought of first.", why=why)
     return plan.model_copy(update={"changes": (told, *plan.changes)})

@@ -261,9 +261,9 @@ class Cell:
 
     def request_ended(self, error: CellctlError) -> None:
         """Keep the reason why a request ended, for the visitor."""
-        job = self.job
-        if job is not None:
-            job.message = self.sentences.wording.translated(str(error))
+        if (job := self.job) is not None:
+            log.info("not possible", reason=str(error))
+            job.message = self.sentences.refusal(error, job.role)
             job.outcome = _OUTCOMES.get(error.exit_status, "failed")
 
     def changed(self, event: Event, before: str, after: str) -> None:

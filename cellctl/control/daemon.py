@@ -178,7 +178,7 @@ class Daemon:
     def snapshot(self) -> Snapshot:
         """The whole picture for one who joins late."""
         cell, job = self.cell, self.cell.job
-        latched = cell.controller.latched
+        latched, doubt, shown = cell.controller.latched, self.builder.doubt, cell.sentences.shown
         return Snapshot(
             seq=self.bus.seq,
             version=__version__,
@@ -186,16 +186,16 @@ class Daemon:
             kind=self.config.cell.kind,
             grid=self.config.grid,
             state=cell.last_state.model_copy(update={"state": cell.controller.state}),
-            job=job.view() if job is not None else None,
+            job=shown(job.view()) if job is not None else None,
             plan=job.plan if job is not None else None,
             parts=tuple(job.outcomes) if job is not None else (),
             standing=tuple(sorted(self.builder.standing)),
             inventory=self.builder.ledger.counts.model_dump(),
-            doubt=self.builder.doubt.sentence if self.builder.doubt is not None else "",
+            doubt=cell.sentences.wording.translated(doubt.sentence) if doubt is not None else "",
             arm=arm_view(self.arm.state()),
             conveyor=self.devices.belt.view(),
             gripper=self._gripper_view(),
-            fault=latched.view() if latched is not None else FaultData(),
+            fault=shown(latched.view()) if latched is not None else FaultData(),
             health=self.loop_monitor.health(cell.controller.inbox_size),
             recogniser=cell.wishes.recogniser,
             carrying=carrying(self.config),
@@ -235,7 +235,7 @@ class Daemon:
         self._show(data, self._state())
 
     def _show(self, data: StatusData, state: str) -> None:
-        self.bus.publish(data, state)
+        self.bus.publish(self.cell.sentences.shown(data), state)
         self.conversation.note(data)
 
     def publish_log(self, level: str, message: str) -> None:

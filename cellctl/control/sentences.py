@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
+from typing import TypeVar
 
-from cellctl.assembly import BuildPlan
+from cellctl.assembly import BuildPlan, Change, Role, Value
 from cellctl.control.dialogue.naming import Naming
 from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
+from cellctl.control.plainly import plainly
 from cellctl.control.recovery import Doubt
-from cellctl.errors import CellFault
-from cellctl.wording import Line, Wording
+from cellctl.errors import CellctlError, CellFault, FaultEntry
+from cellctl.messages import FaultData, JobData
+from cellctl.wording import REFERENCE_LANGUAGE, Line, Wording
+
+_OF_A_FAULT = ("title", "remedy")
+"""What the message files have of each fault. Its causes are for those who mend it."""
+
+_REMEMBERED = 256
+"""Translations of what was published."""
+
+T = TypeVar("T", bound=Value)
 
 
 class Sentences:
@@ -31,6 +43,8 @@ class Sentences:
         self._copies_limit = copies_limit
         self._available = available
         self._naming = Naming(wording)
+        # The same few sentences are published again with every part.
+        self._translated = lru_cache(_REMEMBERED)(wording.translated)
 
     def describe(
         self,
@@ -119,7 +133,7 @@ class Sentences:
         notes = [*(self.wording.translated(text) for text in said), *self._counted(job)]
         asked = self._line(
             "ask.change_over" if job.removes else "ask.build",
-            object=title[:1].upper() + title[1:] + _source(plan),
+            object=title[:1].upper() + title[1:] + self._source(plan),
             size=sizes,
             amount=self._amount(len(plan.assembly.cells), plan),
             notes="".join(f" {note}" for note in notes),
@@ -129,6 +143,12 @@ class Sentences:
             return self._line("ask.another", question=asked.text) if other else asked
         why = self.wording.translated(job.note)
         return self._line("ask.unchanged", why=why, question=asked.text)
+
+    def _source(self, plan: BuildPlan) -> str:
+        """Who made the shape, without details, where it was not designed here."""
+        source = plan.provenance.partition(";")[0].partition(" (")[0].partition(": ")[0]
+        named = source not in ("", "from a description")
+        return f", {self.wording.translated(source)}" if named else ""
 
     def copies_left(self, job: Job) -> int:
         """How many more of its object come after the first; none where that would be too many."""
@@ -172,6 +192,31 @@ class Sentences:
             duration = self.wording.text("count.minutes", count=round(seconds / 60))
         return self.wording.text("count.about", duration=duration)
 
+    def refusal(self, error: CellctlError, role: Role) -> str:
+        """Why a wish ended; to a visitor without what only an operator can use."""
+        return self.wording.translated(str(error) if role is Role.OPERATOR else plainly(error))
+
+    def shown(self, data: T) -> T:
+        """What the bus shows, in the cell's language: names, changes, questions, and what faults
+        say. Codes, figures, and what stands in logs stay as they are."""
+        if self.wording.language == REFERENCE_LANGUAGE:
+            return data
+        translated, shown = self._translated, dict[str, object]()
+        match data:
+            case JobData():
+                shown["title"] = self._naming.title(data.request, data.title)
+                shown["questions"] = tuple(map(translated, data.questions))
+                shown["changes"] = tuple(
+                    Change(what=translated(change.what), why=translated(change.why))
+                    for change in data.changes
+                )
+            case FaultData(entry=FaultEntry(code=code) as entry):
+                told = {name: self.wording.text(f"fault.{code}.{name}") for name in _OF_A_FAULT}
+                shown["entry"] = entry.model_copy(update=told)
+                shown["detail"] = translated(data.detail)
+                shown["later"] = tuple(map(translated, data.later))
+        return data.model_copy(update=shown)
+
     def finished(self, job: Job) -> str:
         """What is said when the arm is home again."""
         assert job.plan is not None, "a job that moved the arm has a plan"
@@ -187,12 +232,6 @@ class Sentences:
             return self.wording.text("done.dropped")
         key = "done.stopped_moves" if job.removes else "done.stopped_parts"
         return self.wording.text(key, done=job.placed, total=len(job.plan.steps))
-
-
-def _source(plan: BuildPlan) -> str:
-    """Who made the shape, without details, where it was not designed here."""
-    source = plan.provenance.partition(";")[0].partition(" (")[0].partition(": ")[0]
-    return "" if source in ("", "from a description") else f", {source}"
 
 
 def _joined(lines: list[Line]) -> Line:

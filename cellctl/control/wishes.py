@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import structlog
 
-from cellctl.assembly import BuildPlan, Intent, Request, StepKind, Utterance
+from cellctl.assembly import BuildPlan, Intent, Request, Role, StepKind, Utterance
 from cellctl.clock import Clock
 from cellctl.config import CellConfig
 from cellctl.control.audio import audio_file
@@ -28,6 +28,7 @@ from cellctl.control.designing import (
 )
 from cellctl.control.job import Job, Phase
 from cellctl.control.ledger import Ledger
+from cellctl.control.plainly import plainly
 from cellctl.control.proposals import Proposals
 from cellctl.control.states import Event
 from cellctl.errors import CellctlError, CellFault, DesignError, NoObjectError, PlanError
@@ -207,7 +208,7 @@ class Wishes:
 
     def _tell(self, job: Job, line: str) -> None:
         """Show the visitor how far a service is."""
-        job.message = line
+        job.message = self._wording.translated(line)
         log.info("designing", told=line)
         self._show(job.view())
 
@@ -348,8 +349,8 @@ def _or_as_before(job: Job, post: Post) -> Iterator[None]:
     except CellctlError as error:
         if job.before is None:
             raise
-        why = f"{error.message} {error.hint}".strip()
-        log.info("change not made", reason=why)
+        log.info("change not made", reason=str(error))
+        why = str(error) if job.role is Role.OPERATOR else plainly(error)
         post(Event.KEPT, lambda: job.undo_change(why))
 
 

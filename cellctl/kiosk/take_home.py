@@ -52,6 +52,7 @@ class JobFiles:
         """The job whose files were fetched last when it was finished."""
         self._fetching: asyncio.Task[None] | None = None
         self._files: OrderedDict[tuple[str, FileKind], JobFile] = OrderedDict()
+        self._titles: OrderedDict[str, str] = OrderedDict()
         self._asking = asyncio.Lock()
 
     async def get(self, job_id: str, kind: FileKind) -> JobFile:
@@ -86,12 +87,20 @@ class JobFiles:
         """
         return BuildPlan.model_validate_json((await self.get(job_id, "plan")).content)
 
+    def title(self, job_id: str, plan: BuildPlan) -> str:
+        """What the object of a job is called, in the cell's language where the cell has said it."""
+        title = self._titles.get(job_id) or plan.title
+        return title[:1].upper() + title[1:]
+
     def built(self) -> None:
         """Fetch the files of a job that has just ended well; to be called after every change."""
         snapshot = self._link.mirror.snapshot
         job = snapshot.job if snapshot is not None else None
         if job is not None and job.outcome == "built" and job.job_id != self._fetched:
             self._fetched = job.job_id
+            self._titles[job.job_id] = job.title
+            while len(self._titles) > _KEPT:
+                self._titles.popitem(last=False)
             self._fetching = asyncio.create_task(self._fetch(job.job_id), name="take home")
 
     async def _fetch(self, job_id: str) -> None:
@@ -110,9 +119,8 @@ class JobFiles:
             self._files.popitem(last=False)
 
 
-def picture_svg(plan: BuildPlan, config: CellConfig, words: Words) -> str:
+def picture_svg(plan: BuildPlan, title: str, config: CellConfig, words: Words) -> str:
     """A picture of the object of a plan, with its name and how many parts it has."""
-    title = plan.title[:1].upper() + plan.title[1:]
     edges = " x ".join(f"{round(edge * plan.pitch_m * 100)}" for edge in plan.assembly.size)
     count = len(plan.assembly.cells)
     caption = words.say("take.caption", count=count, size=edges, cell=config.cell.name)

@@ -40,7 +40,8 @@ def add_files(files: JobFiles, config: CellConfig) -> None:
         except CellctlError as error:
             return _missing(error)
         words = Words(lang or config.dialogue.language)
-        return Response(picture_svg(plan, config, words), media_type="image/svg+xml", headers=_HOUR)
+        drawn = picture_svg(plan, files.title(job_id, plan), config, words)
+        return Response(drawn, media_type="image/svg+xml", headers=_HOUR)
 
 
 async def _file(files: JobFiles, job_id: str, kind: FileKind) -> Response:
@@ -73,12 +74,13 @@ async def take_page(page: Page, files: JobFiles, job_id: str) -> None:
             Text("h1", words.say("take.gone"), "visit__state")
             Text("p", words.say("take.gone_how"), "visit__sentence")
         return
-    name = f"{plan.title}-{job_id}".replace(" ", "-")
+    title = files.title(job_id, plan)
+    name = f"{title}-{job_id}".replace(" ", "-").lower()
     address = f"/job/{job_id}/picture.svg?lang={words.language}"
     with box("section", "take"):
-        Text("h1", plan.title[:1].upper() + plan.title[1:], "visit__state")
+        Text("h1", title, "visit__state")
         picture = box("img", "take__picture", src=address)
-        picture.props["alt"] = words.say("take.picture_of", title=plan.title)
+        picture.props["alt"] = words.say("take.picture_of", title=title)
         with box("div", "take__files"):
             with box("a", "button button--strong", href=address) as save:
                 icon("home")

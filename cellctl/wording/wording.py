@@ -16,7 +16,7 @@ REFERENCE_LANGUAGE = "en"
 
 WRITTEN = (
     *("refused.", "design.", "plan.", "route.", "change.", "term.", "counted."),
-    *("told.", "doubt.", "fault.", "detail."),
+    *("told.", "doubt.", "fault.", "detail.", "service."),
 )
 """Tables of what is written where it arises, in the reference's language: for logs, for other
 processes and for the journal as much as for people."""

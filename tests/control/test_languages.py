@@ -13,11 +13,14 @@ from typing import Any
 import pytest
 import tomli_w
 
+from cellctl.assembly import Change, Role
 from cellctl.config import HearingSection
 from cellctl.control.daemon import Daemon
 from cellctl.control.dialogue.table import Input
-from cellctl.errors import CellFault, ConfigError, HearingError
+from cellctl.errors import CATALOGUE, CellFault, ConfigError, HearingError
 from cellctl.listening.models import find_model
+from cellctl.listening.request import read_request
+from cellctl.messages import FaultData, JobData
 from tests.cell.harness import cell_config
 
 
@@ -69,6 +72,26 @@ def test_a_third_language_is_a_folder_of_files(tmp_path: Path) -> None:
             "Das Band lief, und kein Teil kam an den Sensor. Mache die Teile auf dem Band frei, "
             "oder lege welche darauf; lösche dann die Störung und mache weiter."
         )
+
+
+def test_what_the_bus_shows_is_in_the_cells_language(tmp_path: Path) -> None:
+    change = Change(what="One leg became thicker.", why="It would come apart while built.")
+    wish = read_request("a table with three legs")
+    job = JobData(job_id="1", role=Role.VISITOR, request=wish, title="table", changes=(change,))
+    fault = FaultData(entry=CATALOGUE["belt_jam"], detail="After 10 s the belt is still moving.")
+    with daemon(tmp_path, language="de") as german:
+        told = german.cell.sentences.shown(job)
+        shown = german.cell.sentences.shown(fault)
+    assert told.title == "ein Tisch mit drei Beinen"
+    assert told.changes == (
+        Change(what="Ein Bein: dicker geworden.", why="Es würde beim Bauen auseinanderfallen."),
+    )
+    assert shown.entry is not None
+    assert shown.entry.code == "belt_jam"
+    assert shown.entry.title.startswith("An der Aufnahme kam kein Teil an")
+    assert shown.detail == "Nach 10 s: das Band läuft noch."
+    with daemon(tmp_path, language="en") as english:
+        assert english.cell.sentences.shown(fault) is fault
 
 
 def test_a_daemon_without_words_does_not_begin(tmp_path: Path) -> None:

@@ -82,11 +82,11 @@ def test_stop_is_overheard_in_german_and_english() -> None:
     ("text", "noun", "attributes", "named"),
     [
         ("Ich möchte einen einfachen Hocker", "stool", {}, "ein Hocker"),
-        ("Bau mir einen Hocker mit vier Beinen", "stool", {"legs": 4}, "ein Hocker mit 4 Beinen"),
-        ("ein Regal mit zwei Böden", "shelf", {"tiers": 2}, "ein Regal mit 2 Böden"),
+        ("Bau einen Hocker mit vier Beinen", "stool", {"legs": 4}, "ein Hocker mit vier Beinen"),
+        ("ein Regal mit zwei Böden", "shelf", {"tiers": 2}, "ein Regal mit zwei Böden"),
         ("Ich hätte gerne eine Bank", "bench", {}, "eine Bank"),
         ("Kannst du mir bitte einen Tisch bauen?", "table", {}, "ein Tisch"),
-        ("eine Treppe mit drei Stufen", "staircase", {"steps": 3}, "eine Treppe mit 3 Stufen"),
+        ("eine Treppe mit drei Stufen", "staircase", {"steps": 3}, "eine Treppe mit drei Stufen"),
         ("Ich brauche einen Stuhl mit Lehne", "chair", {"back": True}, "ein Stuhl mit Lehne"),
     ],
 )

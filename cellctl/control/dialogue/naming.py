@@ -8,6 +8,9 @@ from cellctl.assembly import Attribute, Request
 from cellctl.generating.wording import with_article
 from cellctl.wording import REFERENCE_LANGUAGE, Wording
 
+_IN_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+"""Numbers from 2 on, as the message files call them."""
+
 
 class Naming:
     """Names what somebody wishes for.
@@ -20,6 +23,7 @@ class Naming:
     """
 
     def __init__(self, wording: Wording) -> None:
+        self._wording = wording
         self._english = wording.language == REFERENCE_LANGUAGE
         self._things = wording.hearing.get("things", {})
         self._features = wording.hearing.get("features", {})
@@ -46,8 +50,14 @@ class Naming:
         if isinstance(forms, list) and len(forms) == 2 and isinstance(value, int):
             if value is False:
                 return ""
-            return str(forms[0 if value == 1 else 1]).format(count=value)
+            return str(forms[0 if value == 1 else 1]).format(count=self._number(value))
         return str(forms).format(value=value) if isinstance(forms, str) and value else ""
+
+    def _number(self, count: int) -> str:
+        """Small numbers in words, as people say them."""
+        if not 2 <= count < 2 + len(_IN_WORDS):
+            return str(count)
+        return self._wording.text(f"term.{_IN_WORDS[count - 2]}")
 
 
 def _spelt(request: Request) -> str:
