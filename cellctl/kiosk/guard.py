@@ -22,7 +22,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from cellctl.config import CellConfig
-from cellctl.kiosk.origin import is_loopback
+from cellctl.kiosk.origin import device_of, is_loopback
 from cellctl.kiosk.words import Words
 
 PER_ADDRESS: Final = 20
@@ -153,7 +153,7 @@ class Guard:
             if int(length) > MOST_BODY:
                 return Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "That is too much.")
         makes_page = scope["method"] not in _SENDS and not path.startswith(_ASSETS)
-        if makes_page and self._is_full(_address(scope), Counter(self._pages())):
+        if makes_page and self._is_full(_address(scope), Counter(map(device_of, self._pages()))):
             return Refusal(HTTPStatus.SERVICE_UNAVAILABLE, self._words.say("page.too_many"))
         return None
 
@@ -181,8 +181,9 @@ class Guard:
 
 
 def _address(scope: Scope) -> str:
+    """Of the device that asks."""
     client = scope.get("client")
-    return str(client[0]) if client else ""
+    return device_of(str(client[0])) if client else ""
 
 
 def _hostname(host: str) -> str:

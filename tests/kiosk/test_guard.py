@@ -15,6 +15,7 @@ from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from cellctl.kiosk.guard import MOST_BODY, PER_ADDRESS, RESERVE, SOCKET_PATH, Guard, Names
+from cellctl.kiosk.origin import device_of
 from tests.cell.harness import cell_config
 
 PHONE, OTHER, HERE = "192.168.7.50", "192.168.7.51", "127.0.0.1"
@@ -153,3 +154,26 @@ def test_connections_are_counted_while_they_last(house: House) -> None:
             pytest.fail("one more was taken")
     with house.connected() as socket:
         assert socket.receive_text() == "open"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("fd00:1:2:3::5", "fd00:1:2:3:aaaa::6", True),  # as many addresses as it likes
+        ("2001:db8:1:2::1", "2001:db8:1:3::1", False),
+        ("fe80::1%eth0", "fe80::2%eth0", False),  # all devices of a link share that network
+        ("192.168.7.50", "192.168.7.51", False),
+        ("::ffff:192.168.7.50", "192.168.7.50", True),
+        ("testclient", "testclient", True),
+    ],
+)
+def test_a_device_is_known_by_its_address_or_its_network(one: str, other: str, same: bool) -> None:
+    assert (device_of(one) == device_of(other)) == same
+
+
+def test_the_cells_own_screen_may_come_by_either_protocol(house: House) -> None:
+    house.pages = [f"fd00:1::{number}" for number in range(PER_ADDRESS)]
+    assert house.get(address="fd00:1::ffff", host="[fd00::1]:8080") == 503
+    house.pages += [OTHER] * (MOST - PER_ADDRESS)
+    for own in ("::1", "::ffff:127.0.0.1", HERE):
+        assert house.get(address=own, host="[::1]:8080") == 200

@@ -63,8 +63,9 @@ ExecStart=
 ExecStart=/opt/cellctl/venv/bin/cellctl pause
 ExecStart=/opt/cellctl/venv/bin/cellctl resume
 ExecStart=/bin/sh -c '! ls /var/lib/cellctl'
+ExecStart=/usr/bin/python3 -c 'import socket; socket.socket(socket.AF_INET6)'
 """
-"""Orders through the operator's door, and a look at what is the daemon's own."""
+"""Orders through the operator's door, a look at what is the daemon's own, and what IPv6 needs."""
 IMPATIENT = f"""[Service]
 StandardOutput=append:{LOG}
 StandardError=append:{LOG}

@@ -14,7 +14,7 @@ from cellctl.credentials import find_credential
 from cellctl.errors import RefusedError
 from cellctl.kiosk.components import Text, box, icon
 from cellctl.kiosk.operator.access import COOKIE, Access, Session, TooSoonError
-from cellctl.kiosk.origin import address_of, is_here
+from cellctl.kiosk.origin import address_of, device_of, is_here
 from cellctl.kiosk.shell import Page
 from cellctl.passphrase import OPERATOR_CREDENTIAL, PassphraseHash
 
@@ -71,7 +71,7 @@ class FrontDoor:
             if _is_foreign(request) or self.closed_to(request):
                 return back
             try:
-                token = await self.access.log_in(passphrase, address_of(request))
+                token = await self.access.log_in(passphrase, device_of(address_of(request)))
             except TooSoonError:
                 return _back(request, refused="wait")
             except RefusedError:
