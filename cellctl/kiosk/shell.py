@@ -20,7 +20,7 @@ from cellctl.kiosk.mirror import Mirror
 from cellctl.kiosk.words import Words, languages
 
 LOOK: Final = Path(__file__).parent / "look"
-SHEETS: Final = ("kiosk", "visitor", "operator", "operator_panels")
+SHEETS: Final = ("kiosk", "visitor", "stage", "operator", "operator_panels")
 
 
 @dataclass(frozen=True)

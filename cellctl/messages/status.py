@@ -38,7 +38,10 @@ used, or there is nothing to recognise speech with; ``failed``: a worker did not
 
 
 class JobData(Value):
-    """Topic ``job``: one wish, from the sentence to the last part."""
+    """Topic ``job``: one wish, from the sentence to the last part.
+
+    Title, message, changes and questions are in the cell's language.
+    """
 
     job_id: str
     role: Role
@@ -176,7 +179,10 @@ class VoiceData(Value):
 
 
 class FaultData(Value):
-    """Topic ``fault``: the first cause, latched until a reset; ``entry`` None when cleared."""
+    """Topic ``fault``: the first cause, latched until a reset; ``entry`` None when cleared.
+
+    Title, remedy and detail are in the cell's language.
+    """
 
     entry: FaultEntry | None = None
     detail: str = ""

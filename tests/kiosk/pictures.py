@@ -14,13 +14,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import Browser
+from playwright.sync_api import TimeoutError as PageTimeoutError
 
 from cellctl.assembly import Role
 from cellctl.cli.daemon_process import wait_idle
 from cellctl.cli.kiosk_process import KioskProcess, with_own_page
 from cellctl.client import CellClient
 from cellctl.config import CellConfig
+from cellctl.errors import RefusedError
 from cellctl.messages import HistoryCommand, HistoryData, RecoverCommand, Snapshot
 from cellctl.sim.client import SimClient
 from cellctl.sim.isolation import isolated
@@ -37,8 +41,20 @@ _BELT = 32
 _CALL = "Please call 1234, or ask at the desk."
 _SCALE = 2 / 3
 """Pixels of a picture for each of the screen's: large enough to read, and small as a file."""
+_PATIENCE_S = 900.0
+"""How long a computer may take for what is waited for, with everything else that it has to do."""
 _DRAWN_MS = 2500
 """So long a page has to draw its 3D view, on a computer without a graphics card."""
+_FRAMES = """() => new Promise((done) => {
+    let left = 3;
+    const frame = () => (left-- ? requestAnimationFrame(frame) : done());
+    frame();
+})"""
+"""What came last is drawn after so many frames, however busy the computer is."""
+_COMMON = 32
+"""Colours of a picture that stay exactly as they are: those of grounds and large letters."""
+_COLOURS = {Image.Quantize.MEDIANCUT: 176, Image.Quantize.MAXCOVERAGE: 48}
+"""The others: shades by how much there is of them, and what is rare and like none of them."""
 _FAULTS = frozenset({"fault_held", "fault_stopped"})
 _HAND_OVER = "thank you, it is mine"
 
@@ -79,8 +95,10 @@ class Album:
         """Take a picture."""
         opened.page.mouse.move(0, 0)
         opened.page.wait_for_timeout(drawn_ms)
+        opened.page.evaluate(_FRAMES)
         file = self._folder / f"{name}.png"
         opened.page.screenshot(path=file)
+        made_small(file)
         print(f"{file}: {file.stat().st_size / 1000:.0f} kB", flush=True)  # noqa: T201 - output
 
     def also(self, name: str, phase: str, size: Size = "phone", path: str = "") -> None:
@@ -99,6 +117,39 @@ def passing(album: Album, screen: OpenPage, cell: RunningCell, phase: str) -> No
     cell.daemon.process.send_signal(signal.SIGCONT)
 
 
+def made_small(file: Path) -> None:
+    """A quarter of the bytes, and no difference that would be seen."""
+    with Image.open(file) as picture:
+        colours = picture.convert("RGB")
+    every, counts = np.unique(np.asarray(colours).reshape(-1, 3), axis=0, return_counts=True)
+    levels: list[int] = every[np.argsort(counts)[-_COMMON:]].ravel().tolist()
+    for method, count in _COLOURS.items():
+        levels += (colours.quantize(count, method).getpalette() or [])[: 3 * count]
+    chosen = Image.new("P", (1, 1))
+    chosen.putpalette(levels)
+    colours.quantize(palette=chosen, dither=Image.Dither.NONE).save(file, optimize=True)
+
+
+def at_work(album: Album, page: OpenPage, cell: RunningCell, name: str) -> None:
+    """An arm that carries a part; anew, where a busy computer has stopped it meanwhile."""
+    while True:
+        _going(
+            cell, "an arm with a part", lambda now: _at_work(now) and now.gripper.holding == "part"
+        )
+        page.says(" of ")
+        album.take(page, name, drawn_ms=500)
+        if cell.client.snapshot().state.state not in _FAULTS:
+            return
+
+
+def at_rest(album: Album, page: OpenPage, cell: RunningCell, name: str) -> None:
+    """A cell that was stopped; anew, where a busy computer has lost its robot meanwhile."""
+    while True:
+        album.take(page, name)
+        if not _mended(cell):
+            return
+
+
 def asking(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     """A wish, and the question about it."""
     screen.phase("ready")
@@ -108,7 +159,6 @@ def asking(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     passing(album, screen, cell, "thinking")
     screen.phase("asking")
     album.take(screen, "asking")
-    album.also("portrait", "asking", "portrait", "?lang=de")
     album.also("phone", "asking")
 
 
@@ -121,34 +171,26 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
         anna.say("call me Anna")
         anna.say("a small bench")
     _going(cell, "8 parts", lambda now: len(now.standing) >= 8)
-    _going(cell, "a part in the gripper", lambda now: now.gripper.holding == "part")
-    album.take(screen, "building")
+    at_work(album, screen, cell, "building")
     with album.page("phone", scheme="dark") as phone:
-        _going(cell, "an arm at work", _at_work)
-        phone.phase("building")
-        album.take(phone, "building-phone")
+        at_work(album, phone, cell, "building-phone")
     with album.operator() as desk:
-        album.take(desk, "operator-cell")
-    _going(cell, "an arm at work", _at_work)
-    screen.press("Stop")
-    cell.wait_state("paused_resting")
-    screen.says("Stopped")
-    album.take(screen, "stopped")
+        at_work(album, desk, cell, "operator-cell")
+    _stop(screen, cell)
+    at_rest(album, screen, cell, "stopped")
     with album.operator() as desk:
         desk.page.click("#to-hand")
-        album.take(desk, "operator-hand")
+        at_rest(album, desk, cell, "operator-hand")
     cell.world.inject("belt_jam")
-    cell.client.command("resume")
+    _resume(cell)
     _going(cell, "a jam", _is_jammed)
     screen.phase("fault")
     album.take(screen, "fault")
-    album.also("fault-phone", "fault", path="?lang=de")
+    album.also("fault-phone", "fault")
     with album.operator() as desk:
         album.take(desk, "operator-fault")
     cell.world.clear("belt_jam")
-    cell.client.command("reset")
-    cell.wait_state("paused_resting")
-    cell.client.command("resume")
+    _resume(cell)
     _going(cell, "an empty belt", lambda now: now.state.state == "feeding_refilling")
     screen.says("I need more parts")
     album.take(screen, "refilling")
@@ -239,9 +281,40 @@ def _going(cell: RunningCell, what: str, holds: Callable[[Snapshot], bool]) -> N
         now = cell.wait(what, lambda now: holds(now) or now.state.state in _FAULTS)
         if holds(now):
             return
-        cell.client.command("reset")
-        cell.wait_state("paused_resting")
-        cell.client.command("resume")
+        _resume(cell)
+
+
+def _mended(cell: RunningCell) -> bool:
+    """Clear a fault, if there is one; whether there was."""
+    if cell.client.snapshot().state.state not in _FAULTS:
+        return False
+    cell.client.command("reset")
+    cell.wait_state("paused_resting")
+    return True
+
+
+def _stop(screen: OpenPage, cell: RunningCell) -> None:
+    """Stop the arm at work by the page's button; anew, where a fault was sooner."""
+    while True:
+        _going(cell, "an arm at work", _at_work)
+        try:
+            screen.page.get_by_role("button", name="Stop", exact=True).click(timeout=5000)
+            screen.page.get_by_text("Stopped").first.wait_for(timeout=10_000)
+        except PageTimeoutError:
+            continue
+        if cell.client.snapshot().state.state == "paused_resting":
+            return
+
+
+def _resume(cell: RunningCell) -> None:
+    """Go on, whatever fault is to be cleared before."""
+    while True:
+        _mended(cell)
+        try:
+            cell.client.command("resume")
+        except RefusedError:
+            continue
+        return
 
 
 def _job(cell: RunningCell) -> str:
@@ -267,6 +340,7 @@ def _page_of(
 
 _SECTIONS: dict[str, dict[str, Any]] = {
     "cell": {"name": "Voxel cell"},
+    "robot": {"watchdog_hz": 5.0, "host_silence_s": 5.0},
     "feeder": {"capacity_parts": _BELT},
     "kiosk": {"public_url": "http://cell.local:8080", "call_text": _CALL},
     "policy": {"confirmation": "ask", "confirmation_timeout_s": 3600.0},
@@ -299,6 +373,7 @@ def from_the_yes_on(pictures: Path) -> None:
             _page_of(folder, **_SECTIONS) as (config, world, browser, kiosk),
             watched_daemon(config, folder, world) as cell,
         ):
+            cell.patience_s = _PATIENCE_S
             album = Album(browser, kiosk, pictures)
             wait_idle(cell.client, cell.daemon)
             with album.page() as screen:
@@ -313,6 +388,29 @@ def from_the_yes_on(pictures: Path) -> None:
                 screen.phase("ready")
             behind(album, cell)
             doubtful(album, cell)
+
+
+def in_german(pictures: Path) -> None:
+    """A cell that speaks another language, on a screen that stands upright."""
+    sections = _SECTIONS | {"dialogue": {"language": "de"}, "kiosk": {}}
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        with (
+            _page_of(folder, **sections) as (config, world, browser, kiosk),
+            watched_daemon(config, folder, world) as cell,
+        ):
+            album = Album(browser, kiosk, pictures)
+            wait_idle(cell.client, cell.daemon)
+            with album.page("portrait", scheme="dark") as screen:
+                screen.phase("ready")
+                screen.type("ein Tisch mit drei Beinen")
+                screen.phase("asking")
+                album.take(screen, "portrait")
+                screen.press("Nein")
+                screen.phase("ready")
+                screen.type("ein Turm, drei Meter hoch")
+                screen.says("Wünsche dir")
+                album.take(screen, "refused")
 
 
 def with_a_microphone(pictures: Path) -> None:
@@ -343,6 +441,7 @@ def main() -> None:
         "hearing": with_a_microphone,
         "asking": until_the_question,
         "building": from_the_yes_on,
+        "german": in_german,
     }
     for name in only or parts:
         parts[name](folder)

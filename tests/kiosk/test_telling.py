@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cellctl.assembly import Role, Utterance
-from cellctl.kiosk.visitor.telling import Need, telling
-from cellctl.messages import DialogueData, DialoguePhase, JobData, StateData
+from cellctl.assembly import Change, Role, Utterance
+from cellctl.errors import CATALOGUE
+from cellctl.kiosk.visitor.telling import Need, beside, in_other_words, telling
+from cellctl.messages import DialogueData, DialoguePhase, FaultData, JobData, StateData
+from cellctl.wording import Line
 from tests.kiosk.test_mirror import snapshot
 
 
@@ -55,3 +57,42 @@ def test_a_question_is_about_what_was_said_last() -> None:
     )
     now = telling(snapshot(state=state("validating_confirming"), dialogue=talk, job=job))
     assert (now.heard, now.understood) == ("make it taller", "Yes.")
+
+
+def test_a_fault_is_told_by_its_title_in_the_cells_language() -> None:
+    entry = CATALOGUE["belt_jam"].model_copy(update={"title": "Kein Teil kam an."})
+    line = Line(key="state.fault", text="Kein Teil kam an. Lege welche nach.", language="de")
+    fault = FaultData(entry=entry, detail="Das Band lief.")
+    talk = DialogueData(phase="fault", line=line)
+    now = telling(snapshot(state=state("fault_held"), dialogue=talk, fault=fault))
+    assert (now.sentence, now.language) == ("Kein Teil kam an.", "de")
+
+
+@pytest.mark.parametrize(
+    ("sentence", "left"),
+    [
+        ("Shall I build it?", ""),
+        ("A stool, 30 parts. One leg moved in. Shall I build it?", "A stool, 30 parts."),
+        ("A stool, 30 parts. Shall I change it?", "A stool, 30 parts. Shall I change it?"),
+    ],
+)
+def test_what_the_screen_says_elsewhere_is_not_said_twice(sentence: str, left: str) -> None:
+    changes = (Change(what="One leg moved in.", why="It would come apart."),)
+    assert beside(sentence, "Shall I build it?", changes) == left
+
+
+@pytest.mark.parametrize(
+    ("heard", "understood", "differs"),
+    [
+        ("I would like a table with three legs", "A table with three legs.", False),
+        ("a table with three legs", "A table with three legs.", False),
+        ("I would like a table", "Table", False),
+        ("make it taller", "All right, I change it.", True),
+        ("a stole with four legs", "A stool with four legs.", True),
+        ("a stool", "", False),
+    ],
+)
+def test_what_was_heard_and_understood_is_shown_once_where_it_is_the_same(
+    heard: str, understood: str, differs: bool
+) -> None:
+    assert in_other_words(heard, understood) == differs

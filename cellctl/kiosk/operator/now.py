@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from cellctl.kiosk.components import Button, Text, asked_of, attribute, box, shown
 from cellctl.kiosk.operator.desk import Desk
 from cellctl.kiosk.shell import duration
 from cellctl.messages import ConfirmCommand, MuteCommand, PlainCommand, Snapshot
+
+_FAULTS: Final = {"fault_held", "fault_stopped", "fault_emergency"}
+"""States in which nothing moves before a reset."""
 
 
 def order(name: str) -> PlainCommand:
@@ -95,7 +100,9 @@ class Now:
             attribute(self._whole, "data-state", top)
             self._state.say(words.say(f"state.{top}"))
             self._detail.show(words.say(f"state.{snapshot.state.state}") if sub else "")
-            self._sentence.say(snapshot.state.sentence or words.say(f"state.{top}"))
+            # A fault has a panel of its own, right below.
+            told = words.say("op.fault") if snapshot.state.state in _FAULTS else ""
+            self._sentence.say(told or snapshot.state.sentence or words.say(f"state.{top}"))
         self._job.show(_job(desk, snapshot) if snapshot is not None else "")
         age = duration(words, mirror.age_s) if mirror.stale and snapshot is not None else ""
         self._stale.show(words.say("page.stale_sentence", age=age) if age else "")

@@ -22,11 +22,12 @@ class Overview:
             with box("figure", "panel scene"):
                 self._view = CellView(desk.page.site.config, say("cell.scene"))
                 self._view.props["data-no3d"] = say("visit.no_3d")
-            with box("section", "panel", aria_labelledby="figures"):
-                Text("h2", say("cell.figures"), "panel__title").props["id"] = "figures"
-                with box("dl", "facts"):
-                    self._rows = {name: self._row(name) for name in _ROWS}
-        self._wishes = Wishes(desk)
+            with box("div", "stack"):
+                with box("section", "panel", aria_labelledby="figures"):
+                    Text("h2", say("cell.figures"), "panel__title").props["id"] = "figures"
+                    with box("dl", "facts"):
+                        self._rows = {name: self._row(name) for name in _ROWS}
+                self._wishes = Wishes(desk)
         self._nothing = Text("p", say("page.never_sentence"), "hint")
 
     def _row(self, name: str) -> Text:

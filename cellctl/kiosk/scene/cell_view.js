@@ -13,7 +13,9 @@ const TURN_A_PIXEL_RAD = 0.008;
 const FRAME_S = 1 / 30;
 const SCREEN_S = 1 / 50; // from one frame of the screen to the next, where drawing takes no time
 const SHARE = 1 / 4; // of all time, that may be spent on drawing
-const CAPTIONS_PX = 52; // how high the captions below the plates are
+const CAPTIONS_PX = 60; // how high the captions below the plates are
+const FILLED = 0.9; // of the picture's width or height, by what is seen
+const PLATE = 0.53; // radius of a plate, by the diagonal of what turns on it
 const ARRIVE_S = 0.45; // how long a part takes to appear
 
 export default {
@@ -197,7 +199,7 @@ export default {
         }
       }
       this.voxels.add(ghost(picture.left_out.map(at), this.part, this.palette));
-      this.voxels.add(this.furniture.plate(0.62 * Math.hypot(this.size.x, this.size.y) + pitch / 2));
+      this.voxels.add(this.furniture.plate(PLATE * Math.hypot(this.size.x, this.size.y) + pitch / 4));
       this.showShape(picture.mesh);
     },
 
@@ -232,7 +234,7 @@ export default {
         node.castShadow = true;
       });
       const plate = this.furniture.plate(
-        0.62 * scale * Math.hypot(extent.x, extent.y) + this.geometry.pitch_m / 2,
+        PLATE * scale * Math.hypot(extent.x, extent.y) + this.geometry.pitch_m / 4,
       );
       this.shape.add(turned, plate);
       this.placeShape();
@@ -241,7 +243,7 @@ export default {
 
     placeShape() {
       const beside = this.shape.children.length > 0;
-      const apart = 0.62 * Math.hypot(this.size.x, this.size.y) + this.geometry.pitch_m * 0.8;
+      const apart = PLATE * Math.hypot(this.size.x, this.size.y) + this.geometry.pitch_m * 0.4;
       this.apart = apart;
       this.pair = beside;
       this.place();
@@ -290,7 +292,7 @@ export default {
     // Tells the style sheet where the plates are, so that the captions are right below them.
     placeCaptions() {
       this.camera.updateMatrixWorld();
-      const radius = this.apart - this.geometry.pitch_m * 0.3;
+      const radius = this.apart - this.geometry.pitch_m * 0.15;
       const seen = (x, y) => new THREE.Vector3(x, y, 0).project(this.camera);
       const across = (x) => `${(50 + 50 * seen(x, 0).x).toFixed(1)}%`;
       const apart = this.pair ? this.apart : 0;
@@ -302,7 +304,6 @@ export default {
     },
 
     look() {
-      const narrow = Math.min(1, this.camera.aspect / 1.05);
       if (this.mode === "table") {
         const width = this.pair ? 4 * this.apart : 2.4 * this.apart;
         const height = this.size.z + 0.35 * width;
@@ -321,15 +322,31 @@ export default {
       this.shiftUp(0);
       const sway = this.still.matches ? 0.25 : Math.sin((this.time * 2 * Math.PI) / SWAY_S);
       const around = 0.62 + SWAY_RAD * sway - this.turned;
-      const target = this.furniture.middle;
-      const away = 3.9 / narrow;
-      this.camera.position.set(
-        target.x + away * Math.sin(around) * 0.9,
-        target.y + away * Math.cos(around) * 0.9,
-        target.z + away * 0.36,
-      );
-      this.camera.lookAt(target);
-      this.sun.target.position.copy(target);
+      const towards = new THREE.Vector3(Math.sin(around), Math.cos(around), 0.4).normalize();
+      this.frameAll(this.furniture.corners, towards);
+      this.sun.target.position.copy(this.furniture.middle);
+    },
+
+    // Looks along that way from where all these points are just seen, in the middle of the picture.
+    frameAll(points, towards) {
+      const { camera } = this;
+      camera.position.copy(towards);
+      camera.lookAt(0, 0, 0);
+      const right = new THREE.Vector3(1, 0, 0).applyQuaternion(camera.quaternion);
+      const up = new THREE.Vector3(0, 1, 0).applyQuaternion(camera.quaternion);
+      const steep = FILLED * Math.tan((camera.fov * Math.PI) / 360);
+      // How far out of the middle the camera has to be, and how far back, by either direction.
+      const [x, y] = [[right, steep * camera.aspect], [up, steep]].map(([across, slope]) => {
+        const ends = points.map((p) => [p.dot(across), slope * p.dot(towards)]);
+        const most = Math.max(...ends.map(([at, nearer]) => at + nearer));
+        const least = Math.min(...ends.map(([at, nearer]) => at - nearer));
+        return { at: (most + least) / 2, back: (most - least) / 2 / slope };
+      });
+      camera.position
+        .copy(towards)
+        .multiplyScalar(Math.max(x.back, y.back))
+        .addScaledVector(right, x.at)
+        .addScaledVector(up, y.at);
     },
   },
 };

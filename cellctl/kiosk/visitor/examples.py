@@ -26,7 +26,6 @@ class Examples:
         self._page = page
         # Not the page's language: the cell would not understand that.
         spoken = Words(page.site.config.dialogue.language)
-        self._buttons: list[Button] = []
         with box("div", "examples") as self._whole:
             self._title = Text("h2", "", "changes__name")
             with box("ul", "examples__list", lang=spoken.language):
@@ -36,14 +35,12 @@ class Examples:
                         if send is None:
                             Text("span", f"“{sentence}”", "example")
                         else:
-                            self._buttons.append(_example(sentence, send))
+                            _example(sentence, send)
 
     def show(self, now: Telling) -> None:
-        """Show them while the cell waits for a wish."""
+        """Show them while the cell waits for a wish, and hears of it."""
         mirror, words = self._page.site.mirror, self._page.words
-        shown(self._whole, now.phase in {"ready", "hearing"})
-        for button in self._buttons:
-            button.enable(not mirror.stale)
+        shown(self._whole, now.phase in {"ready", "hearing"} and not mirror.stale)
         hears = "talk" in now.offers and not self._page.visitor
         self._title.say(words.say("examples.say" if hears else "examples.press"))
 

@@ -11,7 +11,7 @@ from cellctl.kiosk.visitor.examples import Examples
 from cellctl.kiosk.visitor.help import Help
 from cellctl.kiosk.visitor.panels import Changes, Countdown, Progress, Queue, Said, TakeHome
 from cellctl.kiosk.visitor.stage import Stage
-from cellctl.kiosk.visitor.telling import Telling, telling
+from cellctl.kiosk.visitor.telling import Telling, beside, telling
 
 
 def visitor_page(page: Page) -> None:
@@ -40,8 +40,8 @@ class _Visit:
                 self._stale = Text("p", "", "visit__stale")
                 self._stale.props["role"] = "status"
                 self._help = Help(page)
-                self._said = Said(page)
                 self._progress = Progress(page)
+                self._said = Said(page)
                 self._changes = Changes(page)
                 self._home = TakeHome(page)
                 self._queue = Queue(page)
@@ -61,15 +61,16 @@ class _Visit:
         mirror, words = self._page.site.mirror, self._page.words
         now = telling(mirror.snapshot)
         attribute(self._whole, "data-phase", now.phase)
-        self._state.say(words.say(_headline(now)))
         never = now.phase == "never"
+        stale = mirror.stale and not never
+        # Across the room nobody reads that the question below is an old one.
+        self._state.say(words.say("phase.never" if stale else _headline(now)))
         # What the cell says then is for those who help it.
         own = _OWN.get(now.phase, "") or _NEEDS.get(now.need, "")
         sentence = words.say(own) if own else now.sentence
-        # What only repeats the headline is not said twice.
-        self._sentence.show("" if sentence == self._state.text else sentence)
+        self._sentence.show("" if stale else beside(sentence, self._state.text, now.changes))
         attribute(self._sentence, "lang", words.language if own else now.language)
-        age = duration(words, mirror.age_s) if mirror.stale and not never else ""
+        age = duration(words, mirror.age_s) if stale else ""
         self._stale.show(words.say("page.stale_sentence", age=age) if age else "")
         for part in self._panels:
             part.show(now)
@@ -107,7 +108,8 @@ class _Ears:
         state = snapshot.ears.state if snapshot is not None and not stale else "off"
         hears = state in {"listening", "waiting", "recording", "slow"}
         attribute(self._whole, "data-ears", state)
-        shown(self._whole, snapshot is not None and not stale)
+        # A visitor's own device has no part in it: the microphone is the cell's.
+        shown(self._whole, snapshot is not None and not stale and not self._page.visitor)
         shown(self._on, hears)
         shown(self._off, not hears)
         self._text.say(self._page.words.say(f"ears.{self._key(now, state)}"))

@@ -8,21 +8,25 @@ from cellctl.kiosk.components import Text, attribute, box, shown
 from cellctl.kiosk.shell import Page, duration
 from cellctl.kiosk.take_home import take_home_path
 from cellctl.kiosk.take_page import code_image
-from cellctl.kiosk.visitor.telling import Telling
+from cellctl.kiosk.visitor.telling import Telling, in_other_words
 
 
 class Said:
     """What was heard, and what was understood of it."""
 
     def __init__(self, page: Page) -> None:
+        self._words = page.words
         with box("dl", "visit__said") as self._whole:
-            self._heard = _Pair(page.words.say("visit.heard"), "quote")
+            self._heard = _Pair("", "quote")
             self._understood = _Pair(page.words.say("visit.understood"), "")
 
     def show(self, now: Telling) -> None:
-        """Show both."""
+        """Show both; where they are the same words, once."""
+        differs = in_other_words(now.heard, now.understood)
+        same = bool(now.understood) and not differs
+        self._heard.name.say(self._words.say("visit.heard_understood" if same else "visit.heard"))
         self._heard.show(now.heard)
-        self._understood.show(now.understood)
+        self._understood.show(now.understood if differs else "")
         # Where people are needed, that is what is to be read.
         shown(self._whole, bool(now.heard or now.understood) and not now.need)
 
@@ -32,7 +36,7 @@ class _Pair:
 
     def __init__(self, name: str, classes: str) -> None:
         with box("div", "pair") as self._whole:
-            Text("dt", name)
+            self.name = Text("dt", name)
             self._value = Text("dd", "", classes)
 
     def show(self, value: str) -> None:
@@ -49,11 +53,12 @@ class Countdown:
             with box("div", "countdown__line"):
                 self._left = box("div", "countdown__left")
             Text("p", page.words.say("visit.silence"), "small")
+        self._page = page
         self._deadline: datetime | None = None
 
     def show(self, now: Telling) -> None:
         """Begin a line that shortens by itself, once for each question."""
-        shown(self._whole, now.deadline is not None)
+        shown(self._whole, now.deadline is not None and not self._page.site.mirror.stale)
         if now.deadline == self._deadline:
             return
         self._deadline = now.deadline
@@ -84,7 +89,8 @@ class Progress:
         if not at_work:
             return
         words = self._page.words
-        time = duration(words, now.left_s) if now.left_s else ""
+        # While it waits for people nobody knows how long it takes.
+        time = duration(words, now.left_s) if now.left_s and not now.need else ""
         self._count.say(words.say("visit.progress", done=now.placed, total=now.total))
         self._left.say(words.say("visit.left", time=time) if time else "")
         attribute(self._bar, "aria-valuemax", str(now.total))

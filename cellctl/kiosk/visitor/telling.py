@@ -99,6 +99,24 @@ def telling(snapshot: Snapshot | None) -> Telling:
     )
 
 
+def beside(sentence: str, headline: str, changes: tuple[Change, ...]) -> str:
+    """What is left to say of a sentence on a screen where its question is the headline, and where
+    what was changed has a list of its own."""
+    rest = sentence.removesuffix(headline)
+    for change in changes:
+        rest = rest.replace(f" {change.what}", "")
+    return rest.strip()
+
+
+def in_other_words(heard: str, understood: str) -> bool:
+    """Whether what was understood has other words than what was heard ends with."""
+    return not _letters(heard).endswith(_letters(understood))
+
+
+def _letters(text: str) -> str:
+    return "".join(letter for letter in text.casefold() if letter.isalnum())
+
+
 def _phase(snapshot: Snapshot) -> Phase:
     talk, job = snapshot.dialogue, snapshot.job
     if snapshot.ears.state == "recording" and talk.phase in {"ready", "asking"}:
@@ -138,8 +156,8 @@ def _sentence(snapshot: Snapshot) -> tuple[str, str]:
     if _waits_for_words(talk) and talk.line is not None:
         return talk.line.text, talk.line.language
     language = talk.line.language if talk.line is not None else "en"
-    if snapshot.fault.entry is not None and language == "en":
-        return snapshot.fault.entry.title, "en"
+    if snapshot.fault.entry is not None:
+        return snapshot.fault.entry.title, language
     return snapshot.state.sentence, language
 
 

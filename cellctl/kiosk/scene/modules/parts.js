@@ -1,6 +1,9 @@
 // Parts, as what they are: cuboctahedra that touch at their square faces; and what does not move.
 import { THREE } from "nicegui-scene";
 
+const BELT_M = 1.05; // as much of the belt as is shown
+const ELBOW_M = 0.2; // how far to a side of its foot the arm's elbow mostly is
+
 export function partGeometry(pitch) {
   const h = pitch / 2;
   const corners = [];
@@ -74,6 +77,28 @@ export class Furniture {
     this.middle = new THREE.Vector3((nx * p) / 2 - 0.08, (ny * p) / 2 - 0.3, nz * p * 0.95);
     this.middle.applyMatrix4(this.workspace);
     this.group.add(this.ground(), this.floor(nx, ny, p), this.pedestal(), this.belt());
+    this.corners = this.cornersOfAll();
+  }
+
+  // What a picture of the cell has to show: everything that stands here, and where the arm is bent.
+  cornersOfAll() {
+    const { place } = this;
+    const p = place.pitch_m;
+    const [x, y, z] = place.pedestal_size;
+    const half = place.belt_width_m / 2;
+    const { d1, upper_arm: upper } = place.arm;
+    const boxes = [
+      [this.workspace, [0, 0, 0], place.grid.map((cells) => cells * p)],
+      [matrixOf(place.pedestal), [-x / 2, -y / 2, -z], [x / 2, y / 2, 0]],
+      [matrixOf(place.feeder), [p - BELT_M, -half, -p - 0.05], [p, half, 0]],
+      [matrixOf(place.base), [-ELBOW_M, -ELBOW_M, 0], [ELBOW_M, ELBOW_M, d1 + upper]],
+    ];
+    return boxes.flatMap(([frame, low, high]) =>
+      [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
+        new THREE.Vector3(...low.map((least, axis) => (bits & (1 << axis) ? high[axis] : least)))
+          .applyMatrix4(frame),
+      ),
+    );
   }
 
   box(x, y, z, kind) {
@@ -119,7 +144,7 @@ export class Furniture {
 
   belt() {
     const p = this.place.pitch_m;
-    const length = 1.05;
+    const length = BELT_M;
     const band = this.box(length, this.place.belt_width_m, 0.05, "block");
     band.position.set(-length / 2 + p, 0, -p - 0.026);
     this.onBelt = new THREE.Group();
