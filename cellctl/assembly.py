@@ -121,9 +121,14 @@ class Request(Value):
     """The phrase that names the object, lower case, without its article; ``false`` for none."""
     objects: tuple[str, ...] = ()
     """Head nouns of what is to be built, singular."""
+    kind: str = ""
+    """What kind of thing the first of them is, such as ``animal``, ``person``, ``plant``,
+    ``artifact`` or, of a story, ``character``; empty where that is not known."""
     count: Annotated[int, Field(ge=0)] = 0
     attributes: dict[str, Attribute] = Field(default_factory=dict)
     """Such as ``legs``, ``tiers``, ``back``, ``arms``, ``glyph``."""
+    features: tuple[str, ...] = ()
+    """What else it should have, of which no attribute speaks, as it was said: ``floppy ears``."""
     dimensions_m: dict[Axis, float] = Field(default_factory=dict)
     """Only sizes that the speaker stated, in metres."""
     dimension_sources: dict[Axis, Literal["stated", "voxels", "axis_assumed"]] = Field(

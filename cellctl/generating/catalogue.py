@@ -177,6 +177,8 @@ def unpromised(request: Request, what: str) -> tuple[Change, ...]:
             what=f"Nobody counted its {name}.",
             why=f"The shape is {what}, taken as it is.",
         )
-        for name, value in sorted(request.attributes.items())
-        if value is not False
+        for name in (
+            *(name for name, value in sorted(request.attributes.items()) if value is not False),
+            *request.features,
+        )
     )

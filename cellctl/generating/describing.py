@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +15,23 @@ from cellctl.config import CellConfig
 from cellctl.description import FamilyDescription, PartsDescription
 from cellctl.errors import DesignError
 from cellctl.generating.boxes import mesh_of
-from cellctl.generating.families import BY_NAME, FAMILIES, find_family
+from cellctl.generating.families import BY_NAME, find_family
 from cellctl.generating.families.brief import Brief, Count, Design, Family, Flag
 from cellctl.generating.solids import mesh_of_parts
 from cellctl.generating.wording import with_article
 from cellctl.mesh import GeneratedMesh
 
+_NEAREST = {
+    "animal": ("dog", "cat", "giraffe", "elephant", "duck"),
+    "person": ("person", "robot", "bear", "snowman"),
+    "character": ("person", "robot", "bear", "snowman"),
+    "plant": ("tree", "fir tree", "mushroom"),
+    "body": ("person", "heart", "bear"),
+    "food": ("mushroom", "mug", "pot", "fish"),
+    "shape": ("cube", "pyramid", "ball", "heart", "letter"),
+}
+"""Families to name to whoever asks for something else of a kind."""
+_OTHERWISE = ("stool", "table", "house", "tower", "rocket", "car", "dog", "letter")
 _MOST_M = 10.0
 """Beyond this a stated size is only told to be too large; see ``description.Length``."""
 
@@ -32,10 +44,14 @@ class Described:
     left_out: tuple[Change, ...]
 
 
-def repertoire() -> str:
-    """What can be designed, as a phrase: ``a stool, a chair, ... or a letter or digit``."""
-    names = [f"{with_article(family.name)}" for family in FAMILIES if family.name != "letter"]
-    return f"{', '.join(names)}, or a letter or digit"
+def repertoire(kind: str) -> str:
+    """Some of what can be designed, as a phrase: ``a dog, a cat or a giraffe``.
+
+    Args:
+        kind: that of what cannot, so that the nearest is named; see ``Request.kind``.
+    """
+    names = [with_article(BY_NAME[name].name) for name in _NEAREST.get(kind, _OTHERWISE)]
+    return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
 def describe(request: Request) -> Described | None:
@@ -52,12 +68,25 @@ def describe(request: Request) -> Described | None:
         attributes=known,
         size_m={axis: min(size_m, _MOST_M) for axis, size_m in request.dimensions_m.items()},
     )
-    left_out = _left_out(unknown, noun, request.count)
+    left_out = (*_left_out(unknown, noun, request.count), *_not_considered(request, family, noun))
     word = request.phrase.rpartition(" ")[2]
     if family.name == "letter" and request.objects == ("word",):
         what = f"The letter {known.get('glyph', '')}, the first of {word}."
         left_out = (*left_out, Change(what=what, why="I build one at a time."))
     return Described(description, left_out)
+
+
+def _not_considered(request: Request, family: Family, noun: str) -> tuple[Change, ...]:
+    """What it should have that is no part of such designs, as far as they say of themselves."""
+    described = set(re.findall(r"[a-z]+", (family.build.__doc__ or "").lower())) | set(family.takes)
+    return tuple(
+        Change(
+            what=f"I took no account of the {feature}.",
+            why=f"I know no such part of {with_article(noun)}.",
+        )
+        for feature in request.features
+        if feature.split()[-1] not in described
+    )
 
 
 def _left_out(unknown: dict[str, Attribute], noun: str, count: int) -> tuple[Change, ...]:

@@ -28,9 +28,13 @@ class ParametricGenerator:
         found = describe(request)
         if found is None:
             wish = request.phrase if request.phrase not in ("", "false") else "that"
-            wish = wish if wish == "that" else with_article(wish)
+            if request.kind == "character":
+                wish = wish.title()
+            elif wish != "that":
+                wish = with_article(wish)
             raise UnknownObjectError(
-                f"I cannot design {wish} yet.", f"I can design {repertoire()}."
+                f"I cannot design {wish} yet.",
+                f"I can design {repertoire(request.kind)}, for example.",
             )
         return realise(
             found.description,

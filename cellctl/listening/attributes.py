@@ -12,11 +12,15 @@ Attributes = dict[str, int | str | bool]
 
 _SWITCHED = frozenset({"back", "arms", "lid", "chimney"})
 """Parts that are there or not; the others are counted."""
+_LONG = {"long": 3, "short": 1, "longer": 3, "shorter": 1}
+"""Parts of a neck or a tail."""
 _LACKING = frozenset({"no", "without"})
 _LESS = re.compile(r"(back|arm|lid|leg)less")
 _SINGLE = re.compile(
     r"(?:with|on|and|has|having) (?:an?|only|just an?|only an?|the)(?: (?!(?:an?|the)\b)\w+){0,2}$"
 )
+_JOINTS = re.compile(r" and with | and | with |, ")
+_ARTICLE = re.compile(r"^(?:an?|the|some) ")
 _LEGGED = frozenset({"legged", "footed"})
 _TIERED = frozenset({"tiered", "level", "leveled", "levelled"})
 _SEVERAL = re.compile(
@@ -49,6 +53,8 @@ def read_attributes(words: Sequence[str], head: str) -> Attributes:
         if match := _LESS.fullmatch(word):
             name = LEXICON.parts[match[1]]
             found[name] = False if name in _SWITCHED else 0
+        if word in _LONG and singular(" ".join(words[index + 1 : index + 2])) in ("neck", "tail"):
+            found[singular(words[index + 1])] = _LONG[word]
         if word == "steep" and list(words[index + 1 : index + 2]) == ["roof"]:
             found["steepness"] = 2
         if word in LEXICON.colours:
@@ -56,6 +62,24 @@ def read_attributes(words: Sequence[str], head: str) -> Attributes:
     if (glyph := read_glyph(words)) is not None:
         found["glyph"] = glyph
     return found
+
+
+def read_features(phrase: str) -> tuple[str, ...]:
+    """What a phrase says that a thing has and no attribute counts: ``two sails``, ``floppy ears``.
+
+    Args:
+        phrase: the whole of it, lower case.
+    """
+    _, joint, told = phrase.partition(" with ")
+    pieces = _JOINTS.split(told) if joint else []
+    found = [_ARTICLE.sub("", piece) for piece in pieces if piece]
+    return tuple(piece for piece in found if piece and not _is_read(piece.split()))
+
+
+def _is_read(words: list[str]) -> bool:
+    ends = (i for i, word in enumerate(words) if i and word in LEXICON.enders)
+    noun = singular(words[next(ends, len(words)) - 1])
+    return noun in LEXICON.parts or noun in LEXICON.colours or words[0] in ("no", "without")
 
 
 def read_glyph(words: Sequence[str]) -> str | None:

@@ -79,7 +79,9 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
         return None
     unit_m = _unit_m(words, end, pitch_m, len(values)) if end < len(words) else None
     if unit_m is None:
-        return _without_unit(values, end, pitch_m, sizes, start) if len(values) > 1 else None
+        if len(values) > 1:
+            return _without_unit(values, end, pitch_m, sizes, start)
+        return _counted(words, values[0], (start, end), pitch_m, sizes)
     source: Source = "voxels" if words[end] in _VOXELS else "stated"
     end += 1
     if list(words[end : end + 3]) == ["and", "a", "half"]:
@@ -102,6 +104,21 @@ def _read_size(words: Sequence[str], start: int, pitch_m: float, sizes: Sizes) -
             _store(sizes, said or "height", values[0] * unit_m, source if said else "axis_assumed")
     sizes.spans.append((start, end))
     return end
+
+
+def _counted(
+    words: Sequence[str], value: float, span: tuple[int, int], pitch_m: float, sizes: Sizes
+) -> int | None:
+    """``seven high`` counts blocks, ``eighty high`` centimetres."""
+    start, end = span
+    if end >= len(words) or words[end] not in _AXES or value < 1:
+        return None
+    few = value < _LEAST_CM
+    _store(
+        sizes, _AXES[words[end]], value * (pitch_m if few else 0.01), "voxels" if few else "stated"
+    )
+    sizes.spans.append((start, end + 1))
+    return end + 1
 
 
 def _without_unit(

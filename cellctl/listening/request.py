@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 
 from cellctl.assembly import Correction, Intent, Request
-from cellctl.listening.attributes import read_attributes, read_glyph, read_signs
+from cellctl.listening.attributes import read_attributes, read_features, read_glyph, read_signs
 from cellctl.listening.commands import spoken_command
 from cellctl.listening.dimensions import read_sizes
 from cellctl.listening.frames import (
@@ -29,7 +29,7 @@ from cellctl.listening.snapping import snap
 from cellctl.listening.understanding.edits import Editing, read_edits
 from cellctl.listening.understanding.hints import hints_of, meant_by, object_for, question_of
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
-from cellctl.listening.understanding.judging import Judgement, acts_at
+from cellctl.listening.understanding.judging import Judgement, acts_at, kind_of
 from cellctl.listening.understanding.later import clauses_of, readings, readings_of_edits
 from cellctl.listening.understanding.policy import refusal_of
 from cellctl.listening.understanding.wanting import Verdict, is_wanted
@@ -59,6 +59,8 @@ _STYLE = re.compile(
     re.IGNORECASE,
 )
 """What is said to generators of pictures after the object."""
+_SIGNS = frozenset({"initial", "letter", "number", "digit"})
+_WHICH_SIGN = "Which letter or digit shall it be?"
 _AS_IN = (("for",), ("as", "in"), ("like", "in"))
 """``m for mother``."""
 _BEFORE_DIGITS = frozenset({"a", "the", "big", "large", "huge", "giant", "nice", "great"})
@@ -190,8 +192,10 @@ def _design(heard: _Heard, frame: Frame, setting: Setting, more: tuple[str, ...]
         intent=Intent.DESIGN,
         phrase=phrase.text,
         objects=phrase.objects,
+        kind=kind_of(head),
         count=phrase.count,
         attributes=attributes,
+        features=read_features(phrase.text),
         dimensions_m=sizes.metres,
         dimension_sources=sizes.sources,
         hints=hints_of(head, phrase.count, sizes.metres, attributes, setting),
@@ -237,7 +241,9 @@ def _unwanted(heard: _Heard, frame: Frame, phrase: NounPhrase, verdict: Verdict)
         )
     else:
         reason = _no_wish()
-    return _none(heard.text, reason, f"{_asked(frame)}; {verdict.why}", ask=_meant(frame))
+    no_sign = phrase.objects[0] in _SIGNS and len(phrase.core) == 1 and not phrase.rest
+    ask = _WHICH_SIGN if no_sign else _meant(frame)
+    return _none(heard.text, reason, f"{_asked(frame)}; {verdict.why}", ask=ask)
 
 
 def _asked(frame: Frame) -> str:
@@ -281,6 +287,7 @@ def _edit(heard: _Heard, editing: Editing, pitch_m: float) -> Request:
         intent=Intent.EDIT,
         phrase=named.text if named else "false",
         objects=named.objects if named else (),
+        kind=kind_of(named.objects[0]) if named else "",
         count=named.count if named else 0,
         attributes=read_attributes(editing.replacement, named.objects[0]) if named else {},
         dimensions_m=sizes.metres,

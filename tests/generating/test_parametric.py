@@ -12,11 +12,12 @@ import trimesh
 
 from cellctl.assembly import Cell, Intent, Request
 from cellctl.config import CellConfig, load_config
-from cellctl.errors import DesignError, NoObjectError
-from cellctl.generating.design import design
+from cellctl.errors import DesignError, NoObjectError, UnknownObjectError
+from cellctl.generating.design import design, design_by
 from cellctl.generating.families import FAMILIES
 from cellctl.generating.families.glyphs import GLYPHS
 from cellctl.generating.wording import with_article
+from cellctl.listening.request import read_request
 from cellctl.validating.fit import fit, size_questions
 from cellctl.validating.paper.policy import process
 from cellctl.validating.paper.scaling import Rescaled
@@ -271,3 +272,32 @@ def test_a_compound_is_closer_than_its_head_noun() -> None:
 )
 def test_articles_go_by_sound(phrase: str, said: str) -> None:
     assert with_article(phrase) == said
+
+
+@pytest.mark.parametrize(
+    ("sentence", "said"),
+    [
+        ("a penguin", "a penguin yet. I can design a dog, a cat"),
+        ("build me batman", "design Batman yet. I can design a person"),
+        ("a cactus", "a tree"),
+    ],
+)
+def test_what_is_near_to_it_is_offered(sentence: str, said: str) -> None:
+    with pytest.raises(UnknownObjectError) as refusal:
+        design_by("description", read_request(sentence), CONFIG)
+    assert said in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "told"),
+    [
+        ("a boat with two sails", ["I took no account of the two sails."]),
+        ("a boat with a sail", []),
+        ("a dog with floppy ears and a long tail", ["I took no account of the floppy ears."]),
+        ("my initials, A and C", ["One letter, not 2."]),
+        ("write HI", ["The letter H, the first of hi."]),
+    ],
+)
+def test_what_it_has_not_is_told(sentence: str, told: list[str]) -> None:
+    found = design(read_request(sentence), CONFIG)
+    assert [change.what for change in found.changes] == told

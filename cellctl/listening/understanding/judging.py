@@ -71,6 +71,14 @@ def judge(core: Sequence[str], head: str) -> Judgement:  # noqa: PLR0911 - the f
     return Judgement(None, 0.5, "", f"nothing is known of {head!r}")
 
 
+def kind_of(noun: str) -> str:
+    """What kind of thing a singular noun names, in words; empty for an unknown one."""
+    if noun in LEXICON.characters:
+        return "character"
+    entry = look_up(noun)
+    return entry.class_name if entry is not None and entry.noun and not entry.proper else ""
+
+
 def _by_table(noun: str, physical: float, kind: str, class_name: str) -> Judgement:
     return Judgement(
         physical >= _THING,

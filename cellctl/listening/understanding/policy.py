@@ -9,7 +9,7 @@ from cellctl.listening.understanding.talk import talk
 
 _REFUSALS = {
     "weapon": "I would rather not build weapons, not even of blocks. "
-    "I am glad to build something else: perhaps a castle, or a dragon?",
+    "I am glad to build something else: perhaps a castle, or a dinosaur?",
     "insult": "I would rather not build what might offend somebody. "
     "I am glad to build something else: perhaps a heart, or a dog?",
 }

@@ -16,6 +16,7 @@ from cellctl.listening.request import tokens
 from cellctl.listening.snapping import unvoiced_sound_of
 from cellctl.listening.understanding.hints import hints_of, question_of
 from cellctl.listening.understanding.interpreter import Setting
+from cellctl.listening.understanding.judging import kind_of
 from cellctl.listening.understanding.policy import refusal_of
 
 Noun = Annotated[str, Field(pattern=r"^[a-z][a-z '\-]{0,38}$")]
@@ -115,6 +116,7 @@ def read_structured(content: str, text: str, setting: Setting) -> Request:
         intent=Intent(answer.intent),
         phrase=phrase,
         objects=objects,
+        kind=kind_of(objects[0]),
         count=count,
         attributes=attributes,
         dimensions_m=sizes,
