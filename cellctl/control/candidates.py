@@ -20,7 +20,7 @@ from cellctl.generating.others import others
 from cellctl.mesh import GeneratedMesh
 from cellctl.validating.discretise import discretise
 from cellctl.validating.fit import fit
-from cellctl.validating.plan import plan_build
+from cellctl.validating.plan import foresee_removal, plan_build
 from cellctl.validating.rules import to_corner
 
 GOOD_SCORE = 0.75
@@ -103,7 +103,10 @@ def choose(
                 break
     if best is None:
         return Chosen(None, None, refusal, frozenset(tried))
-    return Chosen(best[1], best[2], refusal, frozenset(tried))
+    plan = best[2]
+    if config.policy.confirmation == "ask":
+        plan = foresee_removal(plan, config)
+    return Chosen(best[1], plan, refusal, frozenset(tried))
 
 
 def _unseen(

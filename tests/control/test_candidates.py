@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from cellctl.assembly import Intent, Request
 from cellctl.config import CellConfig, load_config
@@ -15,6 +16,7 @@ from cellctl.errors import DesignError
 from cellctl.generating.boxes import Box, mesh_of
 from cellctl.generating.design import design
 from cellctl.mesh import GeneratedMesh
+from cellctl.wording import load_wording
 
 CONFIG = load_config(Path(__file__).parents[2] / "config" / "sim.toml")
 
@@ -102,3 +104,16 @@ def test_what_has_no_description_is_shown_in_other_sizes() -> None:
     shown = all_shown(wish("fire extinguisher"))
     heights = [float(np.ptp(mesh.vertices[:, 2])) for mesh in shown]
     assert {round(height / heights[0], 3) for height in heights} >= {0.75, 1.0}
+
+
+@pytest.mark.parametrize(("noun", "stays"), [("lamp", True), ("bench", False)])
+def test_what_would_not_come_apart_is_asked_about(noun: str, stays: bool) -> None:
+    chosen = choose(
+        design(wish(noun), CONFIG), Proposals(wish(noun), None, frozenset()), CONFIG, 40, print
+    )
+    assert chosen.plan is not None
+    asked = [load_wording("de").translated(question) for question in chosen.plan.questions]
+    assert (
+        asked
+        == ["Allein könnte ich es nicht wieder zerlegen; jemand müsste es festhalten."] * stays
+    )
