@@ -29,6 +29,14 @@ class Gripper(Protocol):
         """
         ...
 
+    async def feels_part(self) -> bool:
+        """Whether a part is in the closed latch, by a sensor of the gripper's own.
+
+        Raises:
+            CellFault: ``gripper_silent``: it has none, or that does not answer.
+        """
+        ...
+
     async def check_wiring(self) -> float:
         """Prove both lines by moving the latch: open, closed, open. Never with a part in it, which
         it would drop; a new cell's commissioning asks for it.

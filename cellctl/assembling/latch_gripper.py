@@ -134,6 +134,16 @@ class LatchGripper:
             left_s = opening_s - (self._state().robot_time_s - begun_s)
             wait_s = left_s if board is None else min(left_s, _ASK_EVERY_S)
 
+    async def feels_part(self) -> bool:
+        if self._board is None:
+            raise CellFault("gripper_silent", "Its board, which feels parts, is not connected.")
+        try:
+            return (await self._board.state()).part
+        except CellctlError as error:
+            raise CellFault(
+                "gripper_silent", f"Its board does not tell whether it has a part: {error}"
+            ) from error
+
     async def check_wiring(self) -> float:
         await self.unlatch()
         before = self._state()

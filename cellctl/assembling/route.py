@@ -363,6 +363,8 @@ class RoutePlanner:
         fetch = self.to_pick(start, placed)
         bring = self.to_seat(cell, fetch.end, placed, pace)
         standing_s = self.closing_s + self.placing_s(cell, placed)
+        if pace is not None:
+            standing_s += self.finding_s(cell, placed)
         return StepRoute(
             clearance_m=bring.crossing_height_m,
             duration_s=fetch.duration_s + bring.duration_s + standing_s,
@@ -384,6 +386,10 @@ class RoutePlanner:
         what is felt there."""
         freeing_s = FREEING_S if self._depth_m > 0.0 else 0.0
         return self.opening_s + freeing_s + (SEATING_S if self.presses(cell, placed) else 0.0)
+
+    def finding_s(self, cell: Cell, placed: Collection[Cell]) -> float:
+        """What it costs in a trial to find out whether a part stands on which nothing may press."""
+        return 0.0 if self.presses(cell, placed) else self.gripping_s + self.opening_s
 
     def away_s(self, cell: Cell) -> float:
         """How far a cell is from the pick station: what the arm takes at least, were nothing in the

@@ -56,8 +56,8 @@ class RobotSection(Section):
     clearance_m: Annotated[float, Field(gt=0.0, le=0.3)]
     """Least distance between a carried part and what it crosses."""
     margin_m: Annotated[float, Field(ge=0.003, le=0.1)] = 0.01
-    """Least distance between anything of the arm and anything else, but where it goes straight up
-    or down on the spot where it picks or places."""
+    """Least distance between anything of the arm and anything else, but beside and above the spot
+    where it picks or places."""
     touch_depth_m: Annotated[float, Field(ge=0.0, le=0.0015)] = 0.0007
     """How far below its seat a part is pressed that a column carries, and how far above it the
     gripper is felt to be free after letting go; 0 feels nothing."""

@@ -31,8 +31,9 @@ from cellctl.messages import PartPlace
 
 log = structlog.get_logger(__name__)
 
-_CLOSING = frozenset({ActKind.PICK, ActKind.GRIP})
-"""Acts in which the latch is told to close."""
+_CLOSING = frozenset({ActKind.PICK, ActKind.GRIP, ActKind.RELEASE})
+"""Acts in which the latch is told to close; on a part that was let go, to find out whether it
+stands."""
 
 
 class Acting:

@@ -336,6 +336,18 @@ class ArmAndLatch:
         self._unproven = not prove
         self.waited_for_latch_s += self._clock.now_s() - began_s
 
+    async def finds_part(self) -> bool:
+        """Close the latch where a part should stand, ask the gripper whether it has one, and let it
+        stand.
+
+        Raises:
+            CellFault: of the gripper.
+        """
+        await self.close()
+        found = await self._gripper.feels_part()
+        await self.open()
+        return found
+
     async def proof(self) -> None:
         """Wait for the proof that was left out when the latch closed, or that was cut off; at once
         where none was.

@@ -115,8 +115,9 @@ class Touch:
             )
 
     async def stands(self, cell: Cell, standing: frozenset[Cell], travel: Travel) -> bool:
-        """Whether a part that was let go on a column presses up on the open gripper, which is where
-        the part was pressed on its seat. True of any other part, on which nothing may press.
+        """Whether a part that was let go stands. One on a column presses up on the open gripper,
+        which is where the part was pressed on its seat. On any other nothing may press: there the
+        latch closes once more, and the gripper says whether it has a part.
 
         Args:
             cell: where it is.
@@ -124,10 +125,10 @@ class Touch:
             travel: follows a route.
 
         Raises:
-            CellFault: of the arm.
+            CellFault: of the arm or the gripper.
         """
         if not self._hands.routes.presses(cell, standing):
-            return True
+            return await self._hands.finds_part()
         began_s = self._clock.now_s()
         # It is there already, unless the letting go was broken off.
         await self._go(cell, -self._robot.touch_depth_m, travel, carrying=False)

@@ -201,6 +201,7 @@ class GripperBoardEmulator(BoardEmulator):
             (latch.faulty, GripperFlag.LATCHED),
             (latch.confirmed, GripperFlag.CONFIRMED),
             (latch.told_open, GripperFlag.TOLD_OPEN),
+            (latch.holds_part, GripperFlag.PART),
             (self._default, GripperFlag.DEFAULT),
         ):
             if holds:

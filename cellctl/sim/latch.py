@@ -72,6 +72,11 @@ class Latch:
         return self._confirmed
 
     @property
+    def holds_part(self) -> bool:
+        """What the switch in the gripper feels."""
+        return self._world.feels_part
+
+    @property
     def told_open(self) -> bool:
         """Whether the command line is high."""
         return not self._wanted_closed

@@ -212,6 +212,11 @@ class World(Parts):
         """The part in the gripper."""
         return self._held
 
+    @property
+    def feels_part(self) -> bool:
+        """Whether a part, held or standing, is at the gripper's face with the latch on it."""
+        return self._held is not None or self._gripped is not None
+
     def latch_closed(self) -> None:
         """The latch has closed: it holds what lies within its tolerance, and centres it."""
         if self._held is not None or self._gripped is not None or self._tcp is None:

@@ -58,11 +58,12 @@ def paced(plan: BuildPlan, pace: Pace, config: CellConfig) -> BuildPlan:
     steps: list[Step] = []
     for step in plan.steps:
         done = [before.cell for before in steps]
-        if not planner.presses(step.cell, done):
+        if config.gripper.port is None and not planner.presses(step.cell, done):
             raise PlanError(
                 f"Whether the part at {list(step.cell)} stands could not be felt: only one on a "
-                "column down to the floor is pressed on.",
-                "Try an object of columns, with robot.touch_depth_m more than 0.",
+                "column down to the floor is pressed on, and no board of the gripper feels parts.",
+                "Try an object of columns, with robot.touch_depth_m more than 0, or connect the "
+                "gripper's board and name its port as gripper.port.",
                 cells=(step.cell,),
             )
         try:

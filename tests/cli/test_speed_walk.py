@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from cellctl.assembling.route import RoutePlanner
 from cellctl.assembly import (
     Assembly,
     BuildPlan,
@@ -34,7 +35,7 @@ from cellctl.cli.speed_walk import (
     values_of,
 )
 from cellctl.client import CellClient
-from cellctl.config import load_config
+from cellctl.config import CellConfig, load_config
 from cellctl.config.rewriting import rewritten
 from cellctl.control.acts import JobFiles
 from cellctl.control.job import Job
@@ -56,6 +57,8 @@ from cellctl.validating.trials import paced, plan_trial
 from tests.cell.harness import CONFIG, RunningCell, cell_config, running_cell
 from tests.cli.terminal import Terminal
 
+ROW = [(2, 2, 0), (2, 2, 1), (3, 2, 1)]
+"""Its last part hangs at the side of another."""
 STOOD = (True, True, False, False, True, True, True, False)
 """Of the paper's table, in the order of ``PAPERS``."""
 
@@ -201,10 +204,11 @@ def test_what_is_no_pace_is_refused(text: str) -> None:
 
 
 class Standing:
-    """A person at an emulated cell, who takes away what fell."""
+    """A person at an emulated cell, who takes away what fell; at once where nothing else stands."""
 
-    def __init__(self, cell: RunningCell) -> None:
+    def __init__(self, cell: RunningCell, *, alone: bool = True) -> None:
         self._cell = cell
+        self._alone = alone
         self.told: list[str] = []
         self.removals = 0
 
@@ -215,9 +219,10 @@ class Standing:
         raise AssertionError(f"nothing is in question in these trials: {question}")
 
     def removed(self, what: str) -> bool:
-        assert "nothing is felt under the open gripper" in what
+        assert "nothing is felt under the gripper" in what
         self.removals += 1
-        self._cell.world.clear_workspace()
+        if self._alone:
+            self._cell.world.clear_workspace()
         return True
 
 
@@ -278,6 +283,31 @@ def test_a_trial_that_is_stopped_goes_on_and_one_that_is_cancelled_ends(cell: Ru
 
 
 @pytest.mark.wire
+@pytest.mark.shared_cell
+@pytest.mark.soak
+def test_a_part_that_hangs_beside_another_is_felt_by_the_latch(cell: RunningCell) -> None:
+    pace = Pace(speed_m_s=1.0, acceleration_m_s2=1.0)
+    content = Assembly.of([Cell(*c) for c in ROW], cell.config.voxel.pitch_m).model_dump_json()
+    person = Standing(cell, alone=False)
+    with CellClient.for_role(cell.config) as own, ThreadPoolExecutor(1) as pool:
+        walk = SpeedWalk(own, person, name="row.json", content=content.encode())
+        (found,) = walk.run((pace,))
+        assert (found.tried, found.stood) == (1, 1)
+        assert cell.truth().violations[cell.held_before :] == ()
+        trial = pool.submit(walk.run, (pace,))
+        cell.wait("two that stand", lambda now: len(now.standing) == 2)
+        cell.wait_mid_place()
+        cell.world.inject("part_dropped")
+        (found,) = trial.result(cell.patience_s)
+    assert (found.tried, found.stood, person.removals) == (1, 0, 1)
+    held = {told.kind for told in cell.truth().violations[cell.held_before :]}
+    assert held <= {"picked_nothing"}  # the latch closed where the part should have stood
+    cell.world.clear_workspace()
+    assert cell.client.snapshot().standing == ()
+    cell.assert_inventory_true()
+
+
+@pytest.mark.wire
 @pytest.mark.soak
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("model", ["ur10e", "ur10"])
@@ -300,7 +330,7 @@ def test_all_eight_cells_of_the_papers_table_come_out(model: str) -> None:
 @pytest.mark.parametrize(
     ("cells", "robot", "why"),
     [
-        ([(2, 2, 0), (2, 2, 1), (3, 2, 1)], {}, r"part at \[3, 2, 1\] stands could not be felt"),
+        (ROW, {}, r"part at \[3, 2, 1\] stands could not be felt"),
         ([(2, 2, 0)], {"touch_depth_m": 0.0}, "could not be felt"),
         ([(2, 0, 0)], {"joint_speed_fraction": 0.25}, "too fast for the arm's joints"),
     ],
@@ -308,7 +338,12 @@ def test_all_eight_cells_of_the_papers_table_come_out(model: str) -> None:
 def test_a_trial_that_would_tell_nothing_is_refused(
     cells: list[tuple[int, int, int]], robot: dict[str, float], why: str
 ) -> None:
-    config = cell_config(robot=robot)
+    with pytest.raises(PlanError, match=why):
+        trial_of(cells, cell_config(robot=robot, gripper={"port": None}))
+
+
+def trial_of(cells: list[tuple[int, int, int]], config: CellConfig) -> BuildPlan:
+    """These cells, in this order, at the paper's quickest pace."""
     steps = tuple(
         Step(index=i, kind=StepKind.PLACE, cell=Cell(*cell)) for i, cell in enumerate(cells)
     )
@@ -316,8 +351,17 @@ def test_a_trial_that_would_tell_nothing_is_refused(
     plan = BuildPlan(
         plan_id="x", title="x", pitch_m=assembly.pitch_m, assembly=assembly, steps=steps, checks=()
     )
-    with pytest.raises(PlanError, match=why):
-        paced(plan, Pace(speed_m_s=2.5, acceleration_m_s2=2.5), config)
+    return paced(plan, Pace(speed_m_s=2.5, acceleration_m_s2=2.5), config)
+
+
+def test_what_must_not_be_pressed_on_is_tried_where_the_gripper_feels_its_part() -> None:
+    told = [step.duration_s for step in trial_of(ROW, cell_config()).steps]
+    assert None not in told
+    *columns, row = (duration_s or 0.0 for duration_s in told)
+    planner = RoutePlanner(cell_config())
+    costs_s = planner.finding_s(Cell(*ROW[-1]), [Cell(*cell) for cell in ROW[:-1]])
+    assert costs_s > 2.0 * cell_config().gripper.latch_s
+    assert row > costs_s + 0.5 * min(columns)
 
 
 def test_a_trial_stands_in_the_middle_where_the_arm_bears_every_pace() -> None:

@@ -57,7 +57,7 @@ class ServoLatch:
     @property
     def holds_part(self) -> bool:
         """What the switch in the gripper feels."""
-        return self._world.held_part is not None
+        return self._world.feels_part
 
     @property
     def status(self) -> bool:

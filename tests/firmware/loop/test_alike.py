@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from cellctl.assembly import Cell
 from cellctl.boards.constants import (
     FIRMWARE_VERSION,
     PITCH_MAX,
@@ -75,6 +76,29 @@ def test_status_falls_once_the_latch_is_told_to_open(grip: Bench) -> None:
     assert grip.world.held_part is not None
     grip.advance(0.4)
     assert grip.world.held_part is None
+
+
+def test_its_switch_feels_the_part_that_the_latch_has_hold_of(grip: Bench) -> None:
+    grip.host.identify()
+    numbers = itertools.count(1)
+
+    def felt() -> bool:
+        grip.advance(0.02)  # until its switch is believed
+        told = grip.host.ask(next(numbers), Command.STATUS).status
+        assert told is not None
+        return GripperFlag.PART in GripperFlag(told.flags)
+
+    grip.hand.pick()
+    assert felt()
+    grip.hand.carry(0, 0, 0)
+    grip.hand.open()
+    assert not felt()
+    grip.hand.close()  # on the part that stands
+    assert felt()
+    grip.hand.open()
+    grip.world.take_placed_part(Cell(0, 0, 0))
+    grip.hand.close()
+    assert not felt()
 
 
 def test_a_silent_gripper_moves_all_the_same(grip: Bench) -> None:
