@@ -100,10 +100,11 @@ def profile(
     """
     heights = wanted_m - bulge_m
     heights[0], heights[-1] = max(start_m, wanted_m[0]), max(end_m, wanted_m[-1])
-    # Whatever is below both ends is below the straight way between them.
-    kept = heights > min(heights[0], heights[-1])
+    shares = np.linspace(0.0, 1.0, len(heights))
+    # The string never hangs below the straight way from end to end.
+    kept = heights > heights[0] + shares * (heights[-1] - heights[0])
     kept[0] = kept[-1] = True
-    shares = np.linspace(0.0, 1.0, len(heights))[kept]
+    shares = shares[kept]
     hull: list[tuple[float, float]] = []
     for x, y in zip(shares.tolist(), heights[kept].tolist(), strict=True):
         while len(hull) >= 2 and _above_m(hull[-2], hull[-1], (x, y)) <= _TINY_M:

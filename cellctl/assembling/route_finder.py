@@ -7,7 +7,7 @@ first one that is clear is timed, as quick as the joints allow.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import cast
 
 import numpy as np
@@ -138,7 +138,7 @@ class RouteFinder:
             here = corner.tcp
         return found
 
-    def _levels(self, start: Stance, goal: Stance, scene: Scene) -> list[Shape]:
+    def _levels(self, start: Stance, goal: Stance, scene: Scene) -> Iterator[Shape]:
         """Ways across, by their heights; the first ones lead away from what stands beside their
         beginning without passing over it, and an empty gripper leaves and comes on a slope."""
         here, there = to_matrix(start.tcp_pose), to_matrix(goal.tcp_pose)
@@ -166,12 +166,6 @@ class RouteFinder:
             ]
             return Shape(first_m, last_m, 0.0, tuple(tcps))
 
-        found = [level(wanted.strict_m, from_m, to_m)]
-        if not np.array_equal(wanted.strict_m, wanted.leaving_m):
-            found.insert(0, level(wanted.leaving_m, from_m + leaving_m, to_m))
-        if scene.carrying or not self._leaves_free:
-            return found
-
         def sloped(wanted_m: Floats) -> Shape:
             for end, slope, seat_m, begin_m in (
                 (0, _LEAVING_SLOPE, from_m, from_m),
@@ -183,8 +177,12 @@ class RouteFinder:
                 )
             return level(wanted_m, from_m, to_m + self._slow_m)
 
-        ways = [wanted.leaving_m, wanted.strict_m][2 - len(found) :]
-        return [*(sloped(way) for way in ways), *found]
+        ways = [(wanted.strict_m, from_m)]
+        if not np.array_equal(wanted.strict_m, wanted.leaving_m):
+            ways.insert(0, (wanted.leaving_m, from_m + leaving_m))
+        if not scene.carrying and self._leaves_free:
+            yield from (sloped(wanted_m) for wanted_m, _ in ways)
+        yield from (level(wanted_m, begin_m, to_m) for wanted_m, begin_m in ways)
 
     def _across(self, start: Stance, here: Matrix, there: Matrix) -> tuple[Floats, Floats, float]:
         """Where the TCP goes while the joints go straight across above both ends, and how high

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -97,29 +97,31 @@ class Shaper:
             return Shape(height_m, height_m, 0.0)
         return Shape(self._plane_m, self._plane_m, 0.0) if self._square else None
 
-    def shapes(self, levels: Sequence[Shape], *, carrying: bool) -> Iterator[Shape]:
+    def shapes(self, levels: Iterable[Shape], *, carrying: bool) -> Iterator[Shape]:
         """Shapes worth trying, the quick ones first.
 
         Args:
-            levels: ways across, their blends still to be chosen.
+            levels: ways across, their blends still to be chosen; each is asked for when it is due.
             carrying: a part moves with the gripper.
         """
         # A curve may cut off the clearance that a corner has. Wider ones would ask for a higher
         # way, and were not found to be quicker. What a part that is carried stands beside leaves
         # it no room for joints that go straight all the way up or down.
         blend_m = min(self._robot.blend_radius_m, self._robot.clearance_m)
+        known = []
         for level in levels:
+            known.append(level)
             yield level._replace(blend_m=blend_m, upright=carrying)
         spare_m = self._robot.clearance_m - self._robot.margin_m
         blend_m = max(0.0, min(self._robot.blend_radius_m, spare_m))
-        for level in levels:
+        for level in known:
             yield level._replace(blend_m=blend_m)
-        heights = [self._frames.height_m(tcp) for tcp in levels[-1].between]
-        highest_m = max(levels[-1].first_m, levels[-1].last_m, *heights)
+        heights = [self._frames.height_m(tcp) for tcp in known[-1].between]
+        highest_m = max(known[-1].first_m, known[-1].last_m, *heights)
         for up in range(_HIGHER + 1):
             level_m = highest_m + up * self._pitch_m
             yield Shape(level_m, level_m, blend_m)
-        yield levels[-1]._replace(blend_m=0.0)
+        yield known[-1]._replace(blend_m=0.0)
 
     def corners(self, here: Matrix, there: Matrix, shape: Shape, *, carrying: bool) -> list[Corner]:
         """Corners of a path of this shape, without its start; none where there is no way to go."""
