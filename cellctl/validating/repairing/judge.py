@@ -8,7 +8,7 @@ from functools import lru_cache
 from cellctl.assembly import Cell
 from cellctl.errors import PlanError
 from cellctl.validating.access import Gripper
-from cellctl.validating.order import find_order, sketch_order
+from cellctl.validating.order import lay_all, sketch_order
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
 from cellctl.validating.repairing.hinge import hinge
 from cellctl.validating.rules import Cells, lateral, supported
@@ -69,7 +69,7 @@ def judge(cells: Cells, physics: Physics, gripper: Gripper) -> Stands | Collapse
     if finished.margin < physics.least_margin:
         return _collapse(finished, cells, None, physics)
     try:
-        order = find_order(cells, physics, gripper)
+        order = lay_all(cells, physics, gripper)
     except PlanError:
         return _one_by_one(cells, physics)
     return Stands(order.cells, order.verdicts)

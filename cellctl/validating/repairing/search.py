@@ -11,6 +11,7 @@ judged, which is what costs time.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from cellctl.validating.repairing.collapse import Collapses, Mechanism, Stands
@@ -84,7 +85,7 @@ def search(
     wanted: Wanted,
     rules: Rules,
     budget_s: float,
-    fallback: Cells = frozenset(),
+    fallback: Callable[[], Cells] = frozenset,
 ) -> Found:
     """Find the object that keeps most of the wanted shape, of those that keep its symmetry.
 
@@ -92,8 +93,8 @@ def search(
         wanted: the shape.
         rules: what the object must satisfy.
         budget_s: wall time; the best object so far is returned then.
-        fallback: an object that satisfies the rules but may collapse; it is judged when the search
-            was not finished in time.
+        fallback: an object that satisfies the rules but may collapse; it is asked for and judged
+            when the search was not finished in time.
     """
     kept = symmetries(wanted.cells, wanted.size)
     return _Search(wanted, rules, budget_s, kept).run(fallback)
@@ -135,7 +136,7 @@ class _Search:
             most_cells=max(_LEAST_CELLS, budget_s * _CELLS_A_SECOND),
         )
 
-    def run(self, fallback: Cells) -> Found:
+    def run(self, fallback: Callable[[], Cells]) -> Found:
         """The best object, or one that surely stands where there is no time for it."""
         if self._sizes.beyond > 0.0:
             # The solver is not given the sizes that matter most, and judging takes long.
@@ -145,11 +146,11 @@ class _Search:
             now_s = time.monotonic()
             until_s = now_s + (self._end_s - now_s) * _FOR_LARGE
             self._resize(until_s)
-            if not self._state.best and fallback:
-                self._try(fallback, until_s)
+            if not self._state.best and (given := fallback()):
+                self._try(given, until_s)
         found = self.improve()
         if found.score < found.bound - SAME:
-            self._safely(fallback)
+            self._safely(fallback())
         return self._found(found.bound)
 
     def improve(self) -> Found:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -91,9 +92,6 @@ def repair_shape(
             order, verdicts = verdict
             return Repaired(wanted.cells, order, verdicts, (), 1.0, 1.0, True, None)
         why = (unstable(verdict, physics.least_margin),)
-    base = rescaled()
-    base = to_corner(base) if base else base
-    baseline_score = wanted.score(base) if base else None
     rules = Rules(
         parts=parts,
         grid=grid,
@@ -102,16 +100,20 @@ def repair_shape(
         judge=partial(judge_until, physics=physics, gripper=gripper),
         known=probed(physics),
     )
-    usable = base if base and not reasons(base, Wanted(base).size, parts, grid) else frozenset()
     start_s = time.monotonic()
-    found = search(wanted, rules, budget_s, usable)
-    symmetric = found
-    left_s = start_s + budget_s - time.monotonic()
-    if found.score + CLEARLY < 1.0 and left_s > 0.0:
-        beyond = search_beyond(wanted, rules, left_s, found.score + CLEARLY)
-        found = beyond if beyond.stands is not None else found
+    # The search hardly ever asks for the rescaling, and needs no more than one processor.
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        baseline = _Baseline(wanted, beside.submit(rescaled), parts, grid)
+        found = search(wanted, rules, budget_s, baseline.usable)
+        symmetric = found
+        left_s = start_s + budget_s - time.monotonic()
+        if found.score + CLEARLY < 1.0 and left_s > 0.0:
+            beyond = search_beyond(wanted, rules, left_s, found.score + CLEARLY)
+            found = beyond if beyond.stands is not None else found
+        baseline_score = baseline.score()
     if baseline_score is not None and baseline_score > found.score + SAME:
         # It may be less symmetric than what was sought; nobody shall get less for that.
+        usable = baseline.usable()
         stands = rules.judge(usable, start_s + budget_s) if usable else None
         if isinstance(stands, Stands):
             found = replace(found, cells=usable, score=baseline_score, stands=stands)
@@ -135,6 +137,39 @@ def repair_shape(
         found.proven,
         baseline_score,
     )
+
+
+class _Baseline:
+    """What the paper's rescaling makes of a shape, which is being computed.
+
+    Args:
+        wanted: the shape.
+        rescaling: its cells, once they are known.
+        parts: how many there are.
+        grid: the workspace in cells.
+    """
+
+    def __init__(self, wanted: Wanted, rescaling: Future[Cells], parts: int, grid: Size) -> None:
+        self._wanted = wanted
+        self._rescaling = rescaling
+        self._parts = parts
+        self._grid = grid
+
+    def _cells(self) -> Cells:
+        found = self._rescaling.result()
+        return to_corner(found) if found else found
+
+    def score(self) -> float | None:
+        """How much of the shape it keeps; None if there is none."""
+        cells = self._cells()
+        return self._wanted.score(cells) if cells else None
+
+    def usable(self) -> Cells:
+        """Its cells where they break no rule; else none."""
+        cells = self._cells()
+        if not cells or reasons(cells, Wanted(cells).size, self._parts, self._grid):
+            return frozenset()
+        return cells
 
 
 def _judged(
