@@ -33,7 +33,7 @@ def to_corner(cells: Iterable[Cell]) -> Cells:
     return frozenset(Cell(c.x - low[0], c.y - low[1], c.z - low[2]) for c in all_of)
 
 
-def supported(cell: Cell, cells: Cells) -> bool:
+def supported(cell: Cell, cells: AbstractSet[Cell]) -> bool:
     """Whether a cell rests on the floor or on another part."""
     return cell.z == 0 or cell.below() in cells
 

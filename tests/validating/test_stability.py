@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from cellctl.assembly import Cell
 from cellctl.config import StabilitySection
@@ -18,7 +23,15 @@ from cellctl.validating.stability import (
     assess,
     assess_order,
 )
+from cellctl.validating.stability.assess import as_array
+from cellctl.validating.stability.hanging import least_pull
+from cellctl.validating.stability.joints import FLOOR, Joints
+from cellctl.validating.stability.loads import SIDES, push
+from cellctl.validating.stability.programme import Programme
+from cellctl.validating.stability.springs import spread
+from cellctl.validating.stability.strength import needed_pull
 from tests.validating.shapes import CONFIG, cells_of
+from tests.validating.solids import random_solid
 
 PHYSICS = Physics.of(CONFIG)
 WEIGHT_N = PHYSICS.weight_n
@@ -124,3 +137,57 @@ def test_directed_faces_that_are_alike_are_refused(symmetry: int) -> None:
 def test_directed_faces_attract_where_all_parts_have_one_yaw() -> None:
     stability = StabilitySection(polarity="directed", yaw_symmetry_deg=360)
     assert Physics.of(CONFIG.model_copy(update={"stability": stability})) == PHYSICS
+
+
+def loads_of(count: int, seed: int) -> NDArray[np.float64]:
+    """The weights of parts, and two cases with some push on each beside it."""
+    loads = np.random.default_rng(seed).normal(0.0, 2.0, (3, count, 6)) * [1, 1, 1, 0.1, 0.1, 0.1]
+    loads[0] = 0.0
+    loads[:, :, 2] -= WEIGHT_N
+    return loads
+
+
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_springs_balance_whatever_hangs_together_and_need_no_less_than_the_least(seed: int) -> None:
+    cells = as_array(sorted(random_solid(seed, (4, 4, 4))))
+    joints, loads = Joints.among(cells), loads_of(len(cells), seed)
+    borne = spread(joints, loads, PHYSICS)
+    assert borne is not None
+    left = loads.copy()
+    for number, (upper, lower, axis) in enumerate(zip(*joints, strict=True)):
+        force, moment = borne[:, number, :3], borne[:, number, 3:]
+        arm = np.eye(3)[axis] * PHYSICS.pitch_m / 2
+        left[:, upper] += np.hstack([force, moment - np.cross(arm, force)])
+        if lower != FLOOR:
+            left[:, lower] -= np.hstack([force, moment + np.cross(arm, force)])
+    assert np.abs(left).max() < 1e-9
+    bare = np.zeros(len(joints.axis), dtype=np.bool_)
+    needs = needed_pull(borne, joints.axis, bare, PHYSICS).max(axis=1)
+    programme = Programme(cells, PHYSICS)
+    least = [programme.solve(case).pull for case in loads]
+    assert all(some >= few * (1 - 1e-6) for some, few in zip(needs, least, strict=True))
+
+
+def test_springs_that_hang_on_nothing_bear_nothing() -> None:
+    joints = Joints.among(as_array([Cell(0, 0, 1), Cell(1, 0, 1)]))
+    assert spread(joints, loads_of(2, 0), PHYSICS) is None
+
+
+@pytest.mark.parametrize("contact", ["square", "diamond"])
+@pytest.mark.parametrize("cells", [row_over_nothing(3), column(4)])
+@pytest.mark.parametrize("side", SIDES)
+def test_what_hangs_in_a_row_needs_just_what_its_joints_bear(
+    cells: tuple[Cell, ...], side: tuple[float, float], contact: Literal["square", "diamond"]
+) -> None:
+    physics = replace(PHYSICS, contact=contact)
+    programme = Programme(as_array(cells), physics)
+    loads = programme.weights()
+    loads[-1] += push(physics, side)
+    alone = least_pull(cells[-1], push(physics, side), frozenset(cells), physics)
+    assert alone == pytest.approx(programme.solve(loads).pull, rel=1e-6)
+
+
+def test_what_several_joints_hold_may_need_nothing() -> None:
+    cells = frozenset({*column(3), *(Cell(1, 0, z) for z in range(3))})
+    assert least_pull(Cell(0, 0, 2), push(PHYSICS, SIDES[0]), cells, PHYSICS) == 0.0

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import tee
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from cellctl.assembly import Cell
 from cellctl.validating.rules import Cells
 from cellctl.validating.stability.assess import STANDS, Verdict, assess, to_verdict
+from cellctl.validating.stability.hanging import least_pull
 from cellctl.validating.stability.joints import Floats, Ints
 from cellctl.validating.stability.loads import SIDES, placement_pushes
 from cellctl.validating.stability.physics import Physics
+from cellctl.validating.stability.programme import Solution
+from cellctl.validating.stability.surroundings import piece_of, surroundings
 from cellctl.validating.stability.witness import Region, Witness
 
 GOOD_MARGIN = 1.5
@@ -24,15 +27,38 @@ _ENOUGH = 0.5
 _THRIFT = 0.01
 """Cost of shear where a region is balanced anew: a witness that strains no joint without need
 leaves more to those who build on it."""
-_REACHES = (1, 3, 5)
-"""Cells beyond the nearest support within which forces are balanced anew, before all are, which
-takes a second where they are many."""
+_SAME = 1.0 + 1e-9
+"""Pulls that differ by less are the same."""
+
+
+class _Surroundings(NamedTuple):
+    """What is around a cell that is placed."""
+
+    region: Region
+    whole: bool
+    """Whether it is all that the cell is joined to."""
+    guesses: Floats | None
+    """What its joints might bear under each push, (pushes, m, 6); None if it does not hold."""
+
+
+class _Found(NamedTuple):
+    """How the joints of a region bear a push."""
+
+    region: Region
+    pull: float
+    """What the most strained joint needs, of the region or outside of it."""
+    wrenches: Floats
+    """(m, 6)."""
+    solution: Solution | None = None
+    """By which they were found; None for a guess."""
+    exact: bool = False
+    """Whether no forces need less."""
 
 
 class Growth:
     """A structure and a witness of its equilibrium; ``place`` adds a part and judges the state.
 
-    Three facts save most of the work, and none of them guesses:
+    Four facts save most of the work; what balances is a proof, however it was found:
 
     - A part on a column down to the floor needs no magnets at rest: its weight goes straight down,
       and presses the column's joints together.
@@ -41,6 +67,8 @@ class Growth:
     - Where a part hangs, the forces are balanced anew in its surroundings only. If it holds while
       it is pressed down, it holds at rest: that load is a mean of the load with the press and the
       load before, weighted by weight and press.
+    - Springs in place of the joints show in no time how the surroundings might bear it. The linear
+      programme is asked where they strain a joint more than any was before.
 
     Without ``thorough`` the region is never widened to the whole structure: all that is said to
     hold does, but what is said to fail may hold.
@@ -148,10 +176,7 @@ class Growth:
         if pull <= self._pull:
             return self._bounded(pull, rows, witness.needs_with(rows, pushed).max(axis=0))
         worst = self._at_rest(cell)
-        regions = self._regions(cell)
-        for push in placement_pushes(cell, self.cells, physics):
-            regions, these = tee(regions)
-            verdict, _, _ = self._withstand(cell, push, these)
+        for verdict, _, _ in self._pushed(cell):
             worst = min(worst, verdict, key=lambda v: v.margin)
         return worst
 
@@ -160,10 +185,7 @@ class Growth:
         witness, physics = self._witness, self.physics
         worst = STANDS
         found: list[tuple[Ints, Floats]] = []
-        regions = self._regions(cell)
-        for push in placement_pushes(cell, self.cells, physics):
-            regions, these = tee(regions)
-            verdict, rows, wrenches = self._withstand(cell, push, these)
+        for verdict, rows, wrenches in self._pushed(cell):
             worst = min(worst, verdict, key=lambda v: v.margin)
             if verdict.margin == 0.0:
                 self._balanced = False
@@ -185,7 +207,7 @@ class Growth:
         witness = self._witness
         pull = witness.need
         if pull > self._pull and self._thorough:
-            piece = witness.region(self._piece(cell))
+            piece = witness.region(piece_of(cell, witness.cells))
             solution = piece.solve(cell, np.zeros(6))
             if math.isinf(solution.pull):
                 self._balanced = False
@@ -196,74 +218,78 @@ class Growth:
                 return to_verdict(solution, list(piece.cells))
         return self._bounded(pull, np.empty(0, dtype=np.int64), np.empty(0))
 
+    def _pushed(self, cell: Cell) -> Iterator[tuple[Verdict, Ints, Floats]]:
+        """The state under each push of its placement, and what which joints bear then."""
+        pushes = tuple(placement_pushes(cell, self._witness.cells, self.physics))
+        wider = self._surroundings(cell, pushes)
+        for number in range(len(pushes)):
+            wider, these = tee(wider)
+            yield self._withstand(cell, pushes, number, these)
+
     def _withstand(
-        self, cell: Cell, push: Floats, regions: Iterable[tuple[Region, bool]]
+        self,
+        cell: Cell,
+        pushes: Sequence[Floats],
+        number: int,
+        wider: Iterable[_Surroundings],
     ) -> tuple[Verdict, Ints, Floats]:
-        """The state while a cell is pushed, and what which joints bear then."""
+        """The state under one of the pushes, and what which joints bear then."""
+        push = pushes[number]
+        # A guess that strains nothing more than it has been is not improved on.
+        known = max(self.worst_margin, self.physics.least_margin)
+        fair = max(_ENOUGH * self._pull, 1.0 / known)
+        found: _Found | None = None
+        for around in wider:
+            guess = self._guess(around, number)
+            if guess is None and not around.whole:
+                continue  # nothing in it holds the cell
+            if found is None and (guess is None or guess.pull > fair):
+                least = least_pull(cell, push, self._witness.cells, self.physics)
+                fair = max(fair, least * _SAME)
+            settled = around.region.determinate and not around.whole
+            if guess is None or (guess.pull > fair and not settled):
+                found = self._solve(around, cell, push)
+            else:
+                found = guess
+            if found.pull <= max(self._pull, fair):
+                break
+        if found is None:
+            return Verdict(0.0, None, frozenset()), np.empty(0, dtype=np.int64), np.empty((0, 6))
+        failed = found.pull > max(self._pull, fair)
+        self._pull = min(max(self._pull, found.pull), 1.0 / self.physics.least_margin)
+        rows, wrenches = found.region.rows, found.wrenches
+        if found.solution is not None and (math.isinf(found.pull) or (failed and found.exact)):
+            return to_verdict(found.solution, list(found.region.cells)), rows, wrenches
+        needs = self._witness.needs_with(rows, wrenches)
+        return self._bounded(found.pull, rows, needs), rows, wrenches
+
+    def _guess(self, around: _Surroundings, number: int) -> _Found | None:
+        """What is needed if the joints around give like springs under one of the pushes."""
+        if around.guesses is None:
+            return None
+        region, wrenches = around.region, around.guesses[number]
+        needs = self._witness.needs_with(region.rows, wrenches)
+        pull = max(float(needs.max()), self._witness.need_outside(region.rows))
+        return _Found(region, pull, wrenches)
+
+    def _solve(self, around: _Surroundings, cell: Cell, push: Floats) -> _Found:
+        """The least that is needed if only the joints around bear a push."""
+        region, outside = around.region, self._witness.need_outside(around.region.rows)
+        thrift = 0.0 if around.whole else _THRIFT
+        solution = region.solve(cell, push, _ENOUGH * self._pull, thrift)
+        exact = around.whole and solution.pull >= outside
+        pull = max(solution.pull, outside)
+        return _Found(region, pull, solution.wrenches, solution, exact)
+
+    def _surroundings(self, cell: Cell, pushes: Sequence[Floats]) -> Iterator[_Surroundings]:
+        """Ever larger ones."""
         witness = self._witness
-        for region, whole in regions:
-            rows = region.rows
-            solution = region.solve(
-                cell, push, _ENOUGH * self._pull, thrift=0.0 if whole else _THRIFT
-            )
-            pull = max(solution.pull, witness.need_outside(rows))
-            if pull <= self._pull:
-                verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
-                return verdict, rows, solution.wrenches
-        self._pull = min(max(self._pull, pull), 1.0 / self.physics.least_margin)
-        exact = self._thorough and solution.pull >= witness.need_outside(rows)
-        if exact or math.isinf(pull):
-            return to_verdict(solution, list(region.cells)), rows, solution.wrenches
-        verdict = self._bounded(pull, rows, witness.needs_with(rows, solution.wrenches))
-        return verdict, rows, solution.wrenches
-
-    def _regions(self, cell: Cell) -> Iterator[tuple[Region, bool]]:
-        """Ever larger surroundings of a cell, and whether they are all that it is joined to."""
-        distance = self._support_distance(cell)
-        size = 0
-        for reach in _REACHES:
-            around = self._around(cell, distance + reach)
-            if len(around) > size:
-                size = len(around)
-                yield self._witness.region(around), False
+        for around in surroundings(cell, witness.cells, self._rooted):
+            region = witness.region(around)
+            yield _Surroundings(region, False, region.spread(cell, pushes))
         if self._thorough:
-            yield self._witness.region(self._piece(cell)), True
-
-    def _support_distance(self, cell: Cell) -> int:
-        """Steps through joints to the nearest cell that stands on a column."""
-        seen, front, steps = {cell}, [cell], 0
-        while front and not any(c in self._rooted for c in front):
-            near = {beside for one in front for beside in one.neighbours()}
-            front = list((near & self._witness.cells) - seen)
-            seen.update(front)
-            steps += 1
-        return steps
-
-    def _around(self, cell: Cell, steps: int) -> set[Cell]:
-        """Cells within so many steps through joints, and those beneath them."""
-        cells = self._witness.cells
-        seen, front = {cell}, {cell}
-        for _ in range(steps):
-            near = {beside for one in front for beside in one.neighbours()}
-            front = {one for one in near & cells if one.z >= cell.z - 1} - seen
-            seen |= front
-        for one in list(seen):
-            below = one.below()
-            while below in cells:
-                seen.add(below)
-                below = below.below()
-        return seen
-
-    def _piece(self, cell: Cell) -> set[Cell]:
-        """All cells that hang together with one."""
-        cells = self._witness.cells
-        seen, front = {cell}, [cell]
-        while front:
-            for beside in front.pop().neighbours():
-                if beside in cells and beside not in seen:
-                    seen.add(beside)
-                    front.append(beside)
-        return seen
+            piece = witness.region(piece_of(cell, witness.cells))
+            yield _Surroundings(piece, True, piece.spread(cell, pushes))
 
     def _bounded(self, pull: float, rows: Ints, needs: Floats) -> Verdict:
         """A verdict by a witness: its most strained joint is the weakest that is known."""

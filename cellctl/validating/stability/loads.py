@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from functools import lru_cache
 
 import numpy as np
 
 from cellctl.assembly import Cell
-from cellctl.validating.rules import Cells, supported
+from cellctl.validating.rules import supported
 from cellctl.validating.stability.joints import Floats
 from cellctl.validating.stability.physics import Physics
 
@@ -31,7 +32,7 @@ def push(physics: Physics, side: tuple[float, float] = (0.0, 0.0)) -> Floats:
     return found
 
 
-def placement_pushes(placed: Cell, cells: Cells, physics: Physics) -> Iterator[Floats]:
+def placement_pushes(placed: Cell, cells: AbstractSet[Cell], physics: Physics) -> Iterator[Floats]:
     """The pushes that the structure must bear while a part is placed, (6,) each.
 
     A part that is set on something is pressed down and may be pushed aside, since its lower face

@@ -51,12 +51,13 @@ class Programme:
     Args:
         cells: (n, 3), at least one.
         physics: what holds them.
+        known: the joints of the cells, where they are at hand.
     """
 
-    def __init__(self, cells: Ints, physics: Physics) -> None:
+    def __init__(self, cells: Ints, physics: Physics, known: Joints | None = None) -> None:
         self.cells = cells
         self._physics = physics
-        self.joints = Joints.among(cells)
+        self.joints = Joints.among(cells) if known is None else known
         count, joints = len(cells), len(self.joints.axis)
         actions, templates = _templates(physics.contact)
         pull = np.ones(joints)

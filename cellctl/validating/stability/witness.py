@@ -7,16 +7,18 @@ distribution is kept from state to state, and changed only where something chang
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from cellctl.assembly import Cell
-from cellctl.validating.stability.joints import Floats, Ints, Joint
+from cellctl.validating.stability.joints import Floats, Ints, Joint, Joints
 from cellctl.validating.stability.physics import Physics
 from cellctl.validating.stability.programme import Programme, Solution
+from cellctl.validating.stability.springs import spread
 from cellctl.validating.stability.strength import needed_pull
 
 _STEPS = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -113,8 +115,10 @@ class Witness:
         outside of them bear what they bear now."""
         numbered = sorted(cells)
         inside = {c: i for i, c in enumerate(numbered)}
-        programme = Programme(np.array(numbered, dtype=np.int64), self.physics)
-        loads = programme.weights()
+        array = np.array(numbered, dtype=np.int64)
+        joints = Joints.among(array)
+        loads = np.zeros((len(numbered), 6))
+        loads[:, 2] = -self.physics.weight_n
         for one, index in inside.items():
             for axis, step in enumerate(_STEPS):
                 lower = Cell(one.x - step[0], one.y - step[1], one.z - step[2])
@@ -125,11 +129,9 @@ class Witness:
                     loads[index] -= self._at_centre(upper, axis, 1.0)
         rows = [
             self.number[numbered[part], axis]
-            for part, axis in zip(
-                programme.joints.upper.tolist(), programme.joints.axis.tolist(), strict=True
-            )
+            for part, axis in zip(joints.upper.tolist(), joints.axis.tolist(), strict=True)
         ]
-        return Region(inside, np.array(rows, dtype=np.int64), programme, loads)
+        return Region(inside, np.array(rows, dtype=np.int64), joints, array, loads, self.physics)
 
     def _at_centre(self, upper: Cell, axis: int, side: float) -> Floats:
         """A joint's wrench about the centre of a part; the joint lies on that side of it."""
@@ -149,9 +151,16 @@ class Region:
     """The cells, and their numbers in the programme."""
     rows: Ints
     """Of the joints that may change, in the programme's order, (m,)."""
-    _programme: Programme
+    _joints: Joints
+    _array: Ints
+    """The cells, (n, 3)."""
     _loads: Floats
     """At rest, and what the joints outside of it bear, (n, 6)."""
+    _physics: Physics
+
+    @cached_property
+    def _programme(self) -> Programme:
+        return Programme(self._array, self._physics, self._joints)
 
     def solve(self, cell: Cell, push: Floats, enough: float = 0.0, thrift: float = 0.0) -> Solution:
         """Balance it while a cell is pushed.
@@ -165,3 +174,15 @@ class Region:
         loads = self._loads.copy()
         loads[self.cells[cell]] += push
         return self._programme.solve(loads, enough, thrift)
+
+    def spread(self, cell: Cell, pushes: Sequence[Floats]) -> Floats | None:
+        """What its joints would bear as springs while a cell is pushed, (pushes, m, 6); None where
+        some parts of it are held by nothing."""
+        loads = np.repeat(self._loads[None], len(pushes), axis=0)
+        loads[:, self.cells[cell]] += pushes
+        return spread(self._joints, loads, self._physics)
+
+    @property
+    def determinate(self) -> bool:
+        """Whether there is only one way in which its joints can bear a load, if there is any."""
+        return len(self.rows) <= len(self.cells)
