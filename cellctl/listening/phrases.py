@@ -55,6 +55,11 @@ _AFTER_CAN = frozenset({"with", "for", "of", "to", "in", "on", "and", "without",
 _AFTER_NOUNS = (LEXICON.comparatives | LEXICON.colours | {"round", "square"}) - {"light"}
 """What describes a noun from behind in many a language; a "street light" is a noun."""
 _ADVERBS = frozenset({"up", "down", "out", "all", "standing"})
+_HAD_IN_NUMBERS = frozenset(
+    {"wing", "wheel", "head", "eye", "corner", "side", "point", "horn", "door", "mast", "storey",
+     "stori", "seat", "sail", "tine", "prong", "room", "floor"}
+)  # fmt: skip
+_PLACED = frozenset({"on", "in", "at", "by", "under", "with", "of", "from", "into"})
 _BEFORE_OF = frozenset({"full", "fit", "suitable", "big", "large", "high", "tall", "small", "good",
                         "similar", "ready", "made", "wide", "long", "strong"})  # fmt: skip
 _SIZED = frozenset({"about", "around", "roughly", "approximately", "is", "measuring", "be"})
@@ -170,6 +175,7 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
         (word in _AFTER_NOUNS and (ends or _counts(words, index)))  # "a table small"
         or (word in _ADVERBS and after and ends)  # "a tower up to the sky"
         or _measured(words, index)  # "a stool knee high"
+        or (after and after[0] in _PLACED and _is_past_adjective(word))  # "a bag left on a bench"
     ):
         noun = singular(words[index - 1])
         return judge((noun,), noun).physical is True
@@ -181,6 +187,11 @@ def _follows_noun(words: Sequence[str], index: int) -> bool:
     if "a" not in entry.parts or not judge((noun,), noun).physical:
         return False
     return after[0] == "enough" or (word in _BEFORE_OF and after[0] in ("of", "for", "to", "as"))
+
+
+def _is_past_adjective(word: str) -> bool:
+    entry = look_up(word)
+    return entry is not None and {"p", "a"} <= set(entry.parts) and word not in LEXICON.colours
 
 
 def _measured(words: Sequence[str], index: int) -> bool:
@@ -214,7 +225,10 @@ def _is_noun_here(words: Sequence[str], start: int, index: int) -> bool:
     following = words[index + 1 : index + 2]
     if words[index] == "next":
         return following != ["to"]
-    return words[index] == "can" and index > start and (not following or following[0] in _AFTER_CAN)
+    if words[index] != "can" or index <= start:
+        return False
+    after = following[0] if following else ""
+    return not after or after in _AFTER_CAN or (after.endswith("ed") and len(after) > 4)
 
 
 def _without_sizes(words: Sequence[str], spans: Sequence[tuple[int, int]]) -> list[str]:
@@ -246,9 +260,7 @@ def _determiner(words: Sequence[str]) -> tuple[int, int, str]:
         counts_part = False  # "one shelf, three tiers"
     # "a three seat sofa" is one.
     adjective = determiner in ("a", "an") and value > 1
-    adjective = (
-        adjective or following.endswith("ed") or following in ("seater", "sided", "person", "story")
-    )
+    adjective = adjective or _has_so_many(following) or following in ("seater", "person", "story")
     if counts_part or adjective or end >= len(words) or words[end] in LEXICON.enders:
         return (
             1,
@@ -256,6 +268,12 @@ def _determiner(words: Sequence[str]) -> tuple[int, int, str]:
             determiner or "a",
         )  # "a three tier shelf", "a three legged stool", "a seven"
     return max(1, int(value)), end, determiner or "one"
+
+
+def _has_so_many(word: str) -> bool:
+    """Whether a number before it counts parts: ``three legged``; two painted stools are two."""
+    stems = {word[:-2], word[:-1], word[:-3]} if word.endswith("ed") else set()
+    return bool(stems & (LEXICON.parts.keys() | _HAD_IN_NUMBERS))
 
 
 def _numeral(words: Sequence[str], end: int) -> list[str]:

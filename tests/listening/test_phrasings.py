@@ -88,11 +88,24 @@ def test_the_same_order_may_tell_of_something(sentence: str) -> None:
         ("make a stool with three legs and paint it red", "stool with three legs"),
         ("build a desk. make it one metre wide", "desk"),
         ("a model of the bridge of london", "model of the bridge of london"),
+        ("a leather-bound book with gold details", "leather bound book with gold details"),
+        ("a white wedding gown", "white wedding gown"),  # nobody called White weds
+        ("an umbrella left on a bench", "umbrella"),
+        ("a bright red rose", "bright red rose"),  # it did not rise
+        ("a guitar painted black", "guitar"),
+        ("a plastic watering can filled with water", "plastic watering can"),
+        ("some swimming goggles", "swimming goggles"),
     ],
 )
 def test_a_phrase_ends_where_something_else_is_said(sentence: str, phrase: str) -> None:
     request = EmbeddedInterpreter().interpret(sentence, DEFAULT_SETTING)
     assert (request.intent, request.phrase) == (Intent.DESIGN, phrase)
+
+
+@pytest.mark.parametrize("quality", ["red", "plain", "three legged", "painted"])
+def test_what_describes_a_thing_does_not_hide_how_many(quality: str) -> None:
+    request = EmbeddedInterpreter().interpret(f"two {quality} stools", DEFAULT_SETTING)
+    assert (request.count, request.objects) == (2, ("stool",))
 
 
 @pytest.mark.parametrize(

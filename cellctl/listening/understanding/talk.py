@@ -73,6 +73,7 @@ _EDIBLE = frozenset("ds")
 _PEOPLE = frozenset({"one", "two", "three", "four", "five", "six", "eight", "1", "2", "4", "6"})
 _AFTER_PEOPLE = frozenset({"by", "at", "in", "on", "near", "outside", "inside"})
 _SERVED_KINDS = frozenset({"rental", "credit", "debit", "aisle", "boarding", "savings", "checking"})
+_SCENES = (["in", "a"], ["on", "a"], ["under", "a"], ["in", "an"], ["with", "a"])
 _DRINKS = frozenset({"water", "wine", "beer", "coffee", "tea", "milk", "juice", "soda", "whiskey",
                      "champagne", "lemonade", "cola"})  # fmt: skip
 _WAYS = (["to", "go"], ["by", "the"], ["to", "the"])
@@ -98,7 +99,9 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
     words = talk()
     after = list(rest)
     around = set(after)
-    if around & words.times or around & words.places:
+    # "A flamingo in a zoo" and "a star on a christmas tree" tell of no errand.
+    scene = not asked and determiner in ("a", "an") and after[:2] in _SCENES
+    if (around & words.times or around & words.places) and not scene:
         return "it names a time or a place, as errands do"
     # "A step ladder for the library" is no errand.
     for_a_room = after[:1] == ["for"] and (
@@ -106,7 +109,7 @@ def served_instead(  # noqa: PLR0911 - one way out a reason
         or (set(after[1:2]) & (_EXISTING | {"a"}) and head in LEXICON.families | FURNISHING)
     )
     named = around | {singular(word) for word in around}
-    if named & words.elsewhere and not for_a_room:
+    if named & words.elsewhere and not for_a_room and not scene:
         return "it speaks of services"
     seats = head in LEXICON.families - {"table"}
     if (
