@@ -59,7 +59,7 @@ _GRAMMAR = {
         r"indeed|excellent|great|fine(?: (?:by|with|for) me)?|by all means|you (?:bet|got it)|"
         r"(?:i'm |we're |all )?(?:ready|good to go)|spot on|works for me|that'll work|that's it|"
         r"(?:that's )?good enough|(?:i'm |we're )?(?:happy|fine|okay|good) with (?:that|it|this)|"
-        r"(?:it's )?a yes(?: from (?:me|us))?|thumbs up|"
+        r"(?:(?:it|that)'s )?a yes(?: from (?:me|us))?|thumbs up|"
         r"(?:all right|alright|okay|ok|fine|good|very well) then|(?:that's|this is|"
         r"it's) (?:exactly |"
         r"just )?what (?:i|we) (?:want|wanted|asked for|meant|said|like|need|needed|ordered)|"
@@ -79,7 +79,7 @@ _GRAMMAR = {
         r"quite right|what i (?:asked for|meant|said|want|wanted|ordered)))|"
         rf"(?:don't|do not) (?:{_MAKE}|start|begin) (?:{_THIS}|anything)|"
         r"(?:i|we) (?:don't|do not) (?:want|need|fancy) (?:it|that|this)(?: one)?|"
-        rf"(?:it's )?a no(?: from (?:me|us))?|thumbs down|"
+        rf"(?:(?:it|that)'s )?a no(?: from (?:me|us))?|thumbs down|"
         rf"(?:that|it|this)(?:'s| is| looks) {_VERY}(?:rubbish|bad|awful|terrible|horrible|ugly|"
         rf"stupid|silly|no good|useless)"
     ),
@@ -94,7 +94,15 @@ _GRAMMAR = {
         r"one more time|over)|one more time|once (?:again|more)|same again|(?:the )?same(?: one|"
         r" thing)? again"
     ),
+    "take_apart": (
+        r"(?:take|break|pull|tear) (?:it|that|this|all of (?:it|that)|everything|the (?:whole )?"
+        r"(?:thing|lot|building|object)) (?:all )?(?:apart|down|to (?:pieces|bits))(?: again)?"
+    ),
     "another": (
+        r"(?:(?:i'd|we'd) (?:rather|prefer to|like to)|i want to|(?:can|could|may) (?:i|we)|let's|"
+        r"let me) (?:have|see|get|try) (?:something (?:else|different)|another(?: one)?|"
+        r"a different one)|i(?:'d| would) (?:like|prefer)(?: to have)? something (?:else|"
+        r"different)|"
         r"show me more|(?:show|give) (?:me )?(?:another|a different|some other|other|more) "
         r"(?:one|ones|option|options|idea|ideas|version|versions|design|designs)|"
         r"(?:something|anything) (?:else|different|new)|"

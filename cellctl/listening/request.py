@@ -63,7 +63,7 @@ _SIGNS = frozenset({"initial", "letter", "number", "digit"})
 _WHICH_SIGN = "Which letter or digit shall it be?"
 _AS_IN = (("for",), ("as", "in"), ("like", "in"))
 """``m for mother``."""
-_BEFORE_DIGITS = frozenset({"a", "the", "big", "large", "huge", "giant", "nice", "great"})
+_BEFORE_DIGITS = frozenset({"a", "an", "the", "big", "large", "huge", "giant", "nice", "great"})
 _MOST_CHARACTERS = 600
 """What is longer was not said to a cell; it bounds the time that reading takes."""
 

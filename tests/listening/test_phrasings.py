@@ -115,6 +115,8 @@ def test_what_describes_a_thing_does_not_hide_how_many(quality: str) -> None:
         *(("make the legs thick", ("", "+")), ("cut the legs shorter", ("length", "-"))),
         *(("drop the height by five centimetres", ("height", "-")), ("make it stable", ("", "+"))),
         *(("just like that but lower", ("height", "-")), ("I'd like wider legs", ("width", "+"))),
+        *(("increase the width by half", ("width", "+")), ("up by two blocks", ("height", "+"))),
+        *(("the legs look odd make it lower", ("height", "-")), ("a little up", ("height", "+"))),
     ],
 )
 def test_what_changes_a_thing_may_be_said_with_any_verb(
@@ -133,6 +135,8 @@ def test_what_changes_a_thing_may_be_said_with_any_verb(
         *(("that looks just about right to me", "yes"), ("no, that is not what I said", "no")),
         *(("I couldn't hear you", "repeat"), ("do the same thing once more", "again")),
         *(("give me some other idea", "another"), ("can you help me out", "help")),
+        *(("stop please it's falling over", "stop"), ("wait, somebody is too near", "pause")),
+        *(("break all of it down", "take_apart"), ("no, show me another one", "another")),
     ],
 )
 def test_commands_vary_in_verb_object_and_haste(sentence: str, command: str) -> None:

@@ -198,7 +198,7 @@ _REWRITES = tuple(
         ),
         (r"(?:about|around|roughly|approximately|maybe|say) (?P<rest>.+)", "{rest}"),
         (
-            r"(?P<rest>(?:add|put|give it|attach) .+?) (?:in|(?:at|on|to|near) (?:the|its|each) "
+            r"(?P<rest>(?:add|put|give it|attach) .+?) (?:in|(?:in|at|on|to|near) (?:the|its|each) "
             r"(?:top|bottom|side|sides|rear|front|middle|left|right|end))",
             "{rest}",
         ),
@@ -251,6 +251,14 @@ _REWRITES = tuple(
             "make it {rest} in {part}",
         ),
         (r"(?:with|having) (?:no|without) (?P<rest>.+)", "without {rest}"),
+        (
+            r"(?:it|that) only (?:needs|wants|should have|has to have|must have) (?P<rest>.+)",
+            "only {rest}",
+        ),
+        (
+            rf"(?:i|we) (?:wanted|meant|wish|asked for) {_IT} (?:to be )?(?P<rest>.+)",
+            "make {it} {rest}",
+        ),
         (
             r"(?:change|set|reduce|increase) the (?P<part>\w+) to (?P<rest>\w+)",
             "with {rest} {part}",
@@ -336,8 +344,8 @@ _REWRITES = tuple(
             rf"(?P<rest>{_ADDED_PARTS}|(?<!second )shelf)(?: (?:in|on|to) (?:it|there))?",
             "add another {rest}",
         ),
-        (r"(?:go |a (?:bit|little) )?up(?P<rest>| a (?:bit|little)| by .+)", "raise it{rest}"),
-        (r"(?:go |a (?:bit|little) )?down(?P<rest>| a (?:bit|little)| by .+)", "lower it{rest}"),
+        (r"(?:a (?:bit|little) |(?:go )?(?=up [ab]))up(?P<rest>.*)", "raise it{rest}"),
+        (r"(?:a (?:bit|little) |(?:go )?(?=down [ab]))down(?P<rest>.*)", "lower it{rest}"),
     )
 )
 """Each pattern for a whole sentence, and what it comes to."""

@@ -29,12 +29,14 @@ _UNDO = re.compile(
     rf"(?:undo|revert)(?: (?:it|that|this|everything|the (?:last )?(?:change|step|edit|one)))?|"
     rf"(?:put|change|turn|make|have|get|set|switch|bring) {_IT} back(?: {_ITS_WAY})?|"
     rf"(?:leave|have|make|put|keep) {_IT} (?:as|how|the way|like) it was(?: before| again)?|"
-    rf"(?:(?:go )?back to )?(?:(?:as|how|what|the way|like) it was(?: before)?|before)|"
-    rf"(?:it|that) was (?:better|nicer|good|fine|prettier)(?: (?:before|the way it was|as it was))?"
+    rf"(?:(?:go )?back to )?(?:as|how|what|the way|like) it was(?: before)?|"
+    rf"(?:go )?back to before|(?:like|as) before|"
+    rf"(?:it|that) was (?:better|nicer|prettier)(?: (?:before|the way it was|as it was))?|"
+    rf"(?:it|that) was (?:good|fine) (?:before|the way it was|as it was)"
     rf"|(?:i|we) (?:liked|preferred) (?:it (?:better |more )?(?:before|as it was|the way it was|"
     rf"how it was)|the (?:old|first|previous|last|other) (?:one|version)(?: better| more)?)|"
-    rf"(?:take|bring|have|show|go)(?: me)? (?:back )?(?:to )?the (?:previous|old|last) (?:one|"
-    rf"version|design)"
+    rf"(?:take|bring|have|show|go)(?: me)? (?:back )?(?:to )?the (?:previous|old|last|"
+    rf"first|original) (?:one|version|design)"
     rf"(?: back| again)?"
 )
 

@@ -160,12 +160,13 @@ def _clauses(text: str, pitch_m: float) -> tuple[Edit, ...] | None:
     whole = _clause(text, pitch_m)
     if whole is not None:
         return whole
-    head, joint, tail = text.partition(" and ")
-    if not joint:
-        return None
-    first = _clause(head, pitch_m)
-    rest = _clauses(_trimmed(tail, lead=True), pitch_m) if first is not None else None
-    return (*first, *rest) if first is not None and rest is not None else None
+    for between in (" and ", " but "):
+        head, joint, tail = text.partition(between)
+        first = _clause(head, pitch_m) if joint else None
+        rest = _clauses(_trimmed(tail, lead=True), pitch_m) if first is not None else None
+        if first is not None and rest is not None:
+            return (*first, *rest)
+    return None
 
 
 def _clause(text: str, pitch_m: float) -> tuple[Edit, ...] | None:

@@ -76,7 +76,8 @@ _DECIDED = re.compile(
 _SUGGESTED = re.compile(
     r"(?:wouldn't|won't|would|isn't|shouldn't|might|could|couldn't) (?P<wish>an? (?:\w+ ){1,4}?)"
     r"(?:be|look|fit|help|work|do|suit|go|make)\b.*|(?:is|would|are) (?P<asked>an? (?:\w+ ){1,4}?)"
-    r"(?:be )?(?:doable|possible|feasible|available|an option|on the menu|too (?:hard|difficult|"
+    r"(?:be )?(?:okay|ok|alright|all right|fine|allowed|doable|possible|feasible|"
+    r"available|an option|on the menu|too (?:hard|difficult|"
     r"much))(?: .*)?"
 )
 _CLEFT = re.compile(
