@@ -11,8 +11,8 @@ import pytest
 
 from cellctl.assembling.arm import JointWaypoint, Waypoint
 from cellctl.assembling.frames import Frames
-from cellctl.assembling.kinematics import Kinematics, same_configuration
-from cellctl.assembling.poses import to_matrix
+from cellctl.assembling.kinematics import Kinematics, as_joints, same_configuration
+from cellctl.assembling.poses import to_matrix, to_pose
 from cellctl.assembling.route import Route, RoutePlanner, Stance
 from cellctl.assembly import Cell
 from cellctl.config import CellConfig, Pose, load_config
@@ -160,6 +160,34 @@ def test_an_empty_gripper_leaves_and_comes_on_a_slope_unless_something_near_is_h
     carried = planner.to_seat(cell, level.end, beside)
     assert aside_m(carried, 0, station) < 1e-6
     assert aside_m(carried, -3, carried.end.tcp_pose) < 1e-6
+
+
+def test_wherever_an_empty_gripper_stops_it_goes_on_and_retreats(
+    planner: RoutePlanner, config: CellConfig
+) -> None:
+    placed = slab(3, 3, 2)
+    start = planner.freed(Cell(1, 1, 1))
+    route = planner.to_pick(start, placed)
+    poses = [start.tcp_pose, *(point.pose for point in route.path)]
+    stops = [
+        stopped_at(config, leg, share) for leg in itertools.pairwise(poses) for share in (0.4, 0.9)
+    ]
+    assert len(stops) >= 10
+    for stop in stops:
+        onward = planner.to_pick(stop, placed).end.tcp_pose
+        assert math.dist(onward[:3], route.end.tcp_pose[:3]) < 0.001
+        assert planner.retreat(stop, placed, carrying=False).duration_s >= 0.0
+        assert planner.to_home(stop, placed, carrying=False).joints is None
+
+
+def stopped_at(config: CellConfig, leg: tuple[Pose, Pose], share: float) -> Stance:
+    """At a share of one leg of a path, on which the joints go straight."""
+    home, frames, kinematics = config.robot.home_rad, Frames(config), Kinematics("ur10e")
+    one, other = (kinematics.inverse(frames.flange(to_matrix(pose)), home) for pose in leg)
+    assert one is not None
+    assert other is not None
+    joints = as_joints(np.add(one, share * np.subtract(other, one)))
+    return Stance(to_pose(frames.tcp(kinematics.forward(joints))), joints)
 
 
 def turning_s(config: CellConfig, start: Pose, end: Waypoint | JointWaypoint) -> float:
