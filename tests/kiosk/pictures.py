@@ -36,6 +36,7 @@ from tests.virtual_sound import virtual_sound
 
 _SPEED = 2.0
 _WISH = "a table with three legs"
+_SMALL_WISH = "the letter T"
 _BELT = 32
 """Parts on a full belt, so that it is empty before the table is finished."""
 _CALL = "Please call 1234, or ask at the desk."
@@ -200,20 +201,30 @@ def building(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     album.take(screen, "done")
 
 
-def afterwards(album: Album, screen: OpenPage, cell: RunningCell) -> None:
-    """What can become of an object."""
+def handed_over(album: Album, screen: OpenPage) -> None:
+    """Somebody may take an object along."""
     screen.type(_HAND_OVER)
     screen.says("Do you take it along?")
     album.take(screen, "hand-over")
     screen.press("No")
+    screen.phase("done")
+
+
+def taken_apart(album: Album, screen: OpenPage, cell: RunningCell) -> None:
+    """A small object, and how it comes apart again."""
+    screen.phase("ready")
+    screen.type(_SMALL_WISH)
+    screen.phase("asking")
+    screen.press("Yes")
+    _going(cell, "the object", lambda now: now.job is not None and now.job.outcome == "built")
     screen.phase("done")
     screen.press("Take it apart")
     screen.says("Shall I take it apart?")
     album.take(screen, "taking-apart-asked")
     screen.press("Yes")
     screen.phase("taking_apart")
-    _going(cell, "a few parts less", lambda now: now.job is not None and now.job.parts_placed >= 9)
-    album.take(screen, "taking-apart")
+    _going(cell, "a part less", lambda now: now.job is not None and now.job.parts_placed >= 1)
+    album.take(screen, "taking-apart", drawn_ms=500)
     _going(cell, "nothing", lambda now: now.job is not None and now.job.outcome == "taken_apart")
 
 
@@ -245,7 +256,7 @@ def stale(album: Album, screen: OpenPage, cell: RunningCell) -> None:
 def doubtful(album: Album, cell: RunningCell) -> None:
     """A part of which nobody knows where it is."""
     cell.world.inject("speed_slider", fraction=0.1)
-    cell.client.say("the letter T")
+    cell.client.say(_SMALL_WISH)
     cell.wait_state("validating_confirming")
     cell.client.confirm(True)
     cell.wait(
@@ -381,12 +392,13 @@ def from_the_yes_on(pictures: Path) -> None:
                 screen.type(_WISH)
                 screen.phase("asking")
                 building(album, screen, cell)
-                afterwards(album, screen, cell)
-                # Anna's turn has come.
+                handed_over(album, screen)
+                behind(album, cell)
+                cell.clear_workspace()
+                # Anna's turn has come, and she has gone.
                 screen.phase("asking")
-                screen.press("No")
-                screen.phase("ready")
-            behind(album, cell)
+                cell.client.confirm(False)
+                taken_apart(album, screen, cell)
             doubtful(album, cell)
 
 
@@ -406,11 +418,6 @@ def in_german(pictures: Path) -> None:
                 screen.type("ein Tisch mit drei Beinen")
                 screen.phase("asking")
                 album.take(screen, "portrait")
-                screen.press("Nein")
-                screen.phase("ready")
-                screen.type("ein Turm, drei Meter hoch")
-                screen.says("Wünsche dir")
-                album.take(screen, "refused")
 
 
 def with_a_microphone(pictures: Path) -> None:

@@ -34,7 +34,7 @@ def test_people_are_called_where_only_they_can_help(
     assert telling(snapshot(state=state(name), dialogue=DialogueData(phase=phase))).need == need
 
 
-@pytest.mark.parametrize("phase", ["building", "taking_apart", "waiting", "fault"])
+@pytest.mark.parametrize("phase", ["building", "waiting", "fault"])
 def test_what_others_say_meanwhile_is_not_told_of_the_job_under_way(phase: DialoguePhase) -> None:
     talk = DialogueData(phase=phase, heard="a small bench", understood="A small bench.")
     job = JobData(
@@ -96,3 +96,12 @@ def test_what_was_heard_and_understood_is_shown_once_where_it_is_the_same(
     heard: str, understood: str, differs: bool
 ) -> None:
     assert in_other_words(heard, understood) == differs
+
+
+def test_what_was_changed_is_told_only_of_what_is_to_be_built() -> None:
+    change = Change(what="One leg moved in.", why="It would come apart.")
+    job = JobData(job_id="1", role=Role.VISITOR, title="table", changes=(change,))
+    for question, told in (("build", (change,)), ("take_apart", ()), ("hand_over", ())):
+        talk = DialogueData.model_validate({"phase": "asking", "question": question})
+        now = telling(snapshot(state=state("idle"), dialogue=talk, job=job))
+        assert now.changes == told

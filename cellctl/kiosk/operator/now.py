@@ -100,9 +100,9 @@ class Now:
             attribute(self._whole, "data-state", top)
             self._state.say(words.say(f"state.{top}"))
             self._detail.show(words.say(f"state.{snapshot.state.state}") if sub else "")
-            # A fault has a panel of its own, right below.
-            told = words.say("op.fault") if snapshot.state.state in _FAULTS else ""
-            self._sentence.say(told or snapshot.state.sentence or words.say(f"state.{top}"))
+            below = _told_below(snapshot)
+            told = words.say(below) if below else snapshot.state.sentence
+            self._sentence.say(told or words.say(f"state.{top}"))
         self._job.show(_job(desk, snapshot) if snapshot is not None else "")
         age = duration(words, mirror.age_s) if mirror.stale and snapshot is not None else ""
         self._stale.show(words.say("page.stale_sentence", age=age) if age else "")
@@ -120,6 +120,14 @@ class Now:
         ears = snapshot.ears.state if snapshot is not None else "off"
         shown(self._buttons["unmute"], ears == "muted")
         shown(self._buttons["mute"], ears not in {"muted", "off", "lost"})
+
+
+def _told_below(snapshot: Snapshot) -> str:
+    """Key of what leads on to the panel right below, which tells all of it; empty without one."""
+    state = snapshot.state.state
+    if state in _FAULTS:
+        return "op.fault"
+    return "op.doubt" if state == "paused_resting" and snapshot.doubt else ""
 
 
 def _job(desk: Desk, snapshot: Snapshot) -> str:

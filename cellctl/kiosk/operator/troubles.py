@@ -170,7 +170,7 @@ class _Doubt:
             and possible
         )
         shown(self._whole, in_doubt or held)
-        sentence = snapshot.doubt if snapshot is not None else ""
+        sentence = f"{snapshot.doubt}." if snapshot is not None and in_doubt else ""
         self._sentence.say(sentence or self._desk.words.say("doubt.held"))
         for button in self._buttons:
             button.enable(possible)

@@ -89,6 +89,10 @@ export default {
 
       this.cell = new THREE.Group(); // the workspace, the arm, the belt
       this.furniture = new Furniture(place, this.palette);
+      this.corners = {
+        withArm: this.furniture.corners(true),
+        without: this.furniture.corners(false),
+      };
       this.arm = new Arm(place, this.palette);
       this.parts = new THREE.Group();
       this.cell.add(this.furniture.group, this.arm.group, this.parts);
@@ -323,7 +327,7 @@ export default {
       const sway = this.still.matches ? 0.25 : Math.sin((this.time * 2 * Math.PI) / SWAY_S);
       const around = 0.62 + SWAY_RAD * sway - this.turned;
       const towards = new THREE.Vector3(Math.sin(around), Math.cos(around), 0.4).normalize();
-      this.frameAll(this.furniture.corners, towards);
+      this.frameAll(this.arm.group.visible ? this.corners.withArm : this.corners.without, towards);
       this.sun.target.position.copy(this.furniture.middle);
     },
 

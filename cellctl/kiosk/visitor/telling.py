@@ -77,6 +77,7 @@ def telling(snapshot: Snapshot | None) -> Telling:
     left = [step.duration_s for step in plan.steps[placed:]] if plan is not None else []
     sentence, language = _sentence(snapshot)
     heard, understood = _said(snapshot, phase)
+    about_it = phase == "building" or (phase == "asking" and talk.question == "build")
     return Telling(
         phase=phase,
         sentence=sentence,
@@ -89,7 +90,7 @@ def telling(snapshot: Snapshot | None) -> Telling:
         need=_need(snapshot),
         heard=heard,
         understood=understood,
-        changes=job.changes if job is not None and phase in {"asking", "building"} else (),
+        changes=job.changes if job is not None and about_it else (),
         title=plan.title if plan is not None else "",
         placed=placed,
         total=job.parts_total if job is not None else 0,
@@ -131,7 +132,7 @@ def _phase(snapshot: Snapshot) -> Phase:
 def _said(snapshot: Snapshot, phase: Phase) -> tuple[str, str]:
     """What was heard and understood of what the view is about."""
     talk, job = snapshot.dialogue, snapshot.job
-    if phase in _AT_REST:
+    if phase in _AT_REST or phase == "taking_apart":
         return "", ""
     if phase not in _AT_WORK or job is None:
         return talk.heard, talk.understood

@@ -77,11 +77,10 @@ export class Furniture {
     this.middle = new THREE.Vector3((nx * p) / 2 - 0.08, (ny * p) / 2 - 0.3, nz * p * 0.95);
     this.middle.applyMatrix4(this.workspace);
     this.group.add(this.ground(), this.floor(nx, ny, p), this.pedestal(), this.belt());
-    this.corners = this.cornersOfAll();
   }
 
   // What a picture of the cell has to show: everything that stands here, and where the arm is bent.
-  cornersOfAll() {
+  corners(withArm) {
     const { place } = this;
     const p = place.pitch_m;
     const [x, y, z] = place.pedestal_size;
@@ -91,8 +90,10 @@ export class Furniture {
       [this.workspace, [0, 0, 0], place.grid.map((cells) => cells * p)],
       [matrixOf(place.pedestal), [-x / 2, -y / 2, -z], [x / 2, y / 2, 0]],
       [matrixOf(place.feeder), [p - BELT_M, -half, -p - 0.05], [p, half, 0]],
-      [matrixOf(place.base), [-ELBOW_M, -ELBOW_M, 0], [ELBOW_M, ELBOW_M, d1 + upper]],
     ];
+    if (withArm) {
+      boxes.push([matrixOf(place.base), [-ELBOW_M, -ELBOW_M, 0], [ELBOW_M, ELBOW_M, d1 + upper]]);
+    }
     return boxes.flatMap(([frame, low, high]) =>
       [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
         new THREE.Vector3(...low.map((least, axis) => (bits & (1 << axis) ? high[axis] : least)))
