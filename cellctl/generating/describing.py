@@ -45,13 +45,13 @@ class Described:
 
 
 def repertoire(kind: str) -> str:
-    """Some of what can be designed, as a phrase: ``a dog, a cat or a giraffe``.
+    """Some of what can be designed, as a phrase: ``a dog, a cat, or a giraffe``.
 
     Args:
         kind: that of what cannot, so that the nearest is named; see ``Request.kind``.
     """
     names = [with_article(BY_NAME[name].name) for name in _NEAREST.get(kind, _OTHERWISE)]
-    return f"{', '.join(names[:-1])} or {names[-1]}"
+    return f"{', '.join(names[:-1])}, or {names[-1]}"
 
 
 def describe(request: Request) -> Described | None:

@@ -232,12 +232,11 @@ def _resized(
     sizes = dict(description.size_m)
     for axis in axes:
         cells = _cells_after(edit, before[axis], pitch_m)
-        if cells < 1 or (cells > room[axis] and len(axes) == 1):
-            limit = "one part" if cells < 1 else f"{room[axis]} parts, which is all the room"
-            raise DesignError(
-                f"It cannot have a {axis} of {max(cells, 0)} parts: {limit} is the "
-                f"{'least' if cells < 1 else 'most'}."
-            )
+        if cells < 1:
+            raise DesignError(f"It cannot have a {axis} of 0 parts: one part is the least.")
+        if cells > room[axis] and len(axes) == 1:
+            most = f"{room[axis]} parts"
+            raise DesignError(f"It cannot have a {axis} of {cells} parts: {most} is all the room.")
         sizes[axis] = min(cells, room[axis]) * pitch_m
     changed = description.model_copy(update={"size_m": sizes})
     after = size_cells(draw(changed, config)[0])

@@ -147,6 +147,7 @@ def test_fields_are_said_in_the_language_as_well(english: str, german: str) -> N
         ),
         ("the sign %", "Ich habe nicht gehört, welchen Buchstaben oder welche Ziffer. Sage, welch"),
         ("a zeppelin", "Das kann ich noch nicht entwerfen: "),
+        ("a penguin", "ein Hund, eine Katze, eine Giraffe, ein Elefant oder eine Ente."),
     ],
 )
 def test_refusals_of_real_wishes_have_no_english_in_them(wish: str, said: str) -> None:
