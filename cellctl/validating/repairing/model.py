@@ -295,6 +295,10 @@ class Model:
         # Outlines are tight as linear constraints, without which proofs take ten times as long; on
         # level 2 the programme is so large that all takes twice as long.
         solver.parameters.linearization_level = 1
+        # Models so small are solved in the time that looking for symmetries and probing takes.
+        solver.parameters.symmetry_level = 0
+        solver.parameters.cp_model_probing_level = 0
+        solver.parameters.max_presolve_iterations = 1
         status = solver.solve(model)
         spent = float(solver.response_proto.deterministic_time)
         if status == cp_model.INFEASIBLE:

@@ -42,7 +42,7 @@ _MOST_ROUNDS = 60
 _FOR_SAFETY = 0.35
 """The part of the budget that is kept for an object that surely stands."""
 
-_STEPS = 0.06
+_STEPS = 0.045
 """The part of the budget that the solver may spend in its own deterministic time: so little that
 wall time hardly ever ends a search, and its outcome does not depend on the machine."""
 
