@@ -10,8 +10,10 @@ import pytest
 
 from cellctl.assembly import StepKind
 from cellctl.errors import PlanError
-from cellctl.sim.world_values import Imperfections
+from cellctl.messages import CountCommand
+from cellctl.sim.world_values import Imperfections, Where
 from cellctl.validating.plan import plan_cells
+from tests.cell.faulty import reset_and_resume
 from tests.cell.harness import RunningCell, running_cell
 from tests.cell.test_prompts import spoken
 from tests.validating.solids import random_solid
@@ -83,10 +85,29 @@ def test_imperfect_cells_build_what_was_planned(seed: int) -> None:
         for wish in ("a chair", "the letter H"):
             cell.begin_test()
             cell.world.set_imperfections(rough, relay=True)
+            there = cell.truth().counts  # who lays parts with gaps between them counts them
+            count = CountCommand(stock=there[Where.STOCK], belt=there[Where.BELT])
+            cell.client.request(count)
             cell.visitor.say(wish)
+            look_after(cell)
             assert cell.finish().outcome == "built"
             cell.assert_as_planned()
             cell.clear_workspace()
+
+
+def look_after(cell: RunningCell) -> None:
+    """Until the job ends: a wide gap is taken for a jam, and somebody looks and goes on."""
+    while True:
+        now = cell.wait(
+            "the end, or a jam",
+            lambda now: (
+                now.fault.entry is not None or (now.job is not None and bool(now.job.outcome))
+            ),
+        )
+        if now.fault.entry is None:
+            return
+        assert now.fault.entry.code == "belt_jam"
+        reset_and_resume(cell)
 
 
 @pytest.mark.timeout(2400)
