@@ -7,6 +7,7 @@ both compared with what was said.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -128,7 +129,10 @@ class Visitor:
         assert asked.dialogue.line is not None
         text = asked.dialogue.line.text
         self.page.phase("asking")
-        self.page.says(text)
+        for sentence in re.findall(
+            r"\S[^.?!]*[.?!]", text
+        ):  # what was changed has a place of its own
+            self.page.says(sentence)
         self.cell.wait("those words", lambda now: text in now.voice.saying or text in self.said())
 
     def said(self) -> list[str]:
