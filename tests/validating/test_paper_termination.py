@@ -87,7 +87,7 @@ def test_it_ends_on_random_solids_within_its_limits_or_with_a_refusal() -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(1800)
+@pytest.mark.timeout(7200)
 def test_it_ends_on_many_more() -> None:
     outcomes = prove(20_000, SEED + 1)
     assert outcomes["planned"] + outcomes["refused"] == 20_000
