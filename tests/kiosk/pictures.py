@@ -349,6 +349,20 @@ def _page_of(
         yield config, world, browser, kiosk
 
 
+@contextmanager
+def _album_of(pictures: Path, **sections: dict[str, Any]) -> Iterator[tuple[Album, RunningCell]]:
+    """An album of a cell that is idle, and that cell."""
+    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
+        folder = Path(name)
+        with (
+            _page_of(folder, **sections) as (config, world, browser, kiosk),
+            watched_daemon(config, folder, world) as cell,
+        ):
+            cell.patience_s = _PATIENCE_S
+            wait_idle(cell.client, cell.daemon)
+            yield Album(browser, kiosk, pictures), cell
+
+
 _SECTIONS: dict[str, dict[str, Any]] = {
     "cell": {"name": "Voxel cell"},
     "robot": {"watchdog_hz": 5.0, "host_silence_s": 5.0},
@@ -378,66 +392,46 @@ def until_the_question(pictures: Path) -> None:
 
 def from_the_yes_on(pictures: Path) -> None:
     """A build with everything that interrupts one, and what comes of the object."""
-    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
-        folder = Path(name)
-        with (
-            _page_of(folder, **_SECTIONS) as (config, world, browser, kiosk),
-            watched_daemon(config, folder, world) as cell,
-        ):
-            cell.patience_s = _PATIENCE_S
-            album = Album(browser, kiosk, pictures)
-            wait_idle(cell.client, cell.daemon)
-            with album.page() as screen:
-                screen.phase("ready")
-                screen.type(_WISH)
-                screen.phase("asking")
-                building(album, screen, cell)
-                handed_over(album, screen)
-                behind(album, cell)
-                cell.clear_workspace()
-                # Anna's turn has come, and she has gone.
-                screen.phase("asking")
-                cell.client.confirm(False)
-                taken_apart(album, screen, cell)
-            doubtful(album, cell)
+    with _album_of(pictures, **_SECTIONS) as (album, cell):
+        with album.page() as screen:
+            screen.phase("ready")
+            screen.type(_WISH)
+            screen.phase("asking")
+            building(album, screen, cell)
+            handed_over(album, screen)
+            behind(album, cell)
+            cell.clear_workspace()
+            # Anna's turn has come, and she has gone.
+            screen.phase("asking")
+            cell.client.confirm(False)
+            taken_apart(album, screen, cell)
+        doubtful(album, cell)
 
 
 def in_german(pictures: Path) -> None:
     """A cell that speaks another language, on a screen that stands upright."""
     sections = _SECTIONS | {"dialogue": {"language": "de"}, "kiosk": {}}
-    with tempfile.TemporaryDirectory(prefix="cellctl-") as name:
-        folder = Path(name)
-        with (
-            _page_of(folder, **sections) as (config, world, browser, kiosk),
-            watched_daemon(config, folder, world) as cell,
-        ):
-            album = Album(browser, kiosk, pictures)
-            wait_idle(cell.client, cell.daemon)
-            with album.page("portrait", scheme="dark") as screen:
-                screen.phase("ready")
-                screen.type("ein Tisch mit drei Beinen")
-                screen.phase("asking")
-                album.take(screen, "portrait")
+    with (
+        _album_of(pictures, **sections) as (album, _),
+        album.page("portrait", scheme="dark") as screen,
+    ):
+        screen.phase("ready")
+        screen.type("ein Tisch mit drei Beinen")
+        screen.phase("asking")
+        album.take(screen, "portrait")
 
 
 def with_a_microphone(pictures: Path) -> None:
     """The states of hearing."""
     sections = hearing("push_to_talk", _SPEED) | {"cell": {"name": "Voxel cell"}}
-    with virtual_sound(), tempfile.TemporaryDirectory(prefix="cellctl-") as name:
-        folder = Path(name)
-        with (
-            _page_of(folder, **sections) as (config, world, browser, kiosk),
-            watched_daemon(config, folder, world) as cell,
-        ):
-            album = Album(browser, kiosk, pictures)
-            wait_idle(cell.client, cell.daemon)
-            wait_for_ears(cell)
-            with album.page() as screen:
-                screen.phase("ready")
-                album.take(screen, "ready-microphone")
-                screen.press("Talk")
-                screen.phase("hearing")
-                album.take(screen, "hearing", drawn_ms=300)
+    with virtual_sound(), _album_of(pictures, **sections) as (album, cell):
+        wait_for_ears(cell)
+        with album.page() as screen:
+            screen.phase("ready")
+            album.take(screen, "ready-microphone")
+            screen.press("Talk")
+            screen.phase("hearing")
+            album.take(screen, "hearing", drawn_ms=300)
 
 
 def main() -> None:
