@@ -22,7 +22,7 @@ from tests.kiosk.harness import OpenPage, Visit, visit
 
 pytestmark = pytest.mark.wire
 
-SPEED = 15.0
+SPEED, SOAK_SPEED = 6.0, 15.0
 NO_ANSWER_S = 10.0
 """Nobody waits longer for an answer to a yes."""
 QUESTION = "Shall I build it?"
@@ -170,12 +170,19 @@ class Visitor:
 
 
 @contextmanager
-def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
-    """A visitor before a cell that speaks, and hears itself."""
-    sections = hearing(activation, SPEED, loudspeaker="spk")
-    # A browser and a recogniser beside it, and other tests: see the option.
-    sections["robot"] = {"real_time_priority": 5}
-    with people(echo_db=ECHO_DB) as speakers, visit(speed=SPEED, **sections) as there:
+def spoken_visit(
+    activation: Literal["open", "wake_word"], speed: float, real_time_priority: int = 0
+) -> Iterator[Visitor]:
+    """A visitor before a cell that speaks, and hears itself.
+
+    Args:
+        activation: ``hearing.activation``.
+        speed: cell seconds per wall second.
+        real_time_priority: of the arm's process; other cells would get no processor beside it.
+    """
+    sections = hearing(activation, speed, loudspeaker="spk")
+    sections["robot"] = {"real_time_priority": real_time_priority}
+    with people(echo_db=ECHO_DB) as speakers, visit(speed=speed, **sections) as there:
         plots = PLOTS[activation]
         speakers.prepare("hey mycroft", "yes", "take it apart", SHORT.wish, SHORT.change)
         speakers.prepare(*(plot.wish for plot in plots), *(plot.change for plot in plots))
@@ -190,7 +197,7 @@ def spoken_visit(activation: Literal["open", "wake_word"]) -> Iterator[Visitor]:
 
 @pytest.mark.timeout(240)
 def test_a_visit_by_voice_alone() -> None:
-    with spoken_visit("open") as visitor:
+    with spoken_visit("open", SPEED) as visitor:
         visitor.builds(SHORT)
 
 
@@ -198,7 +205,8 @@ def test_a_visit_by_voice_alone() -> None:
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("activation", ["open", "wake_word"])
 def test_ten_different_visits(activation: Literal["open", "wake_word"]) -> None:
-    with spoken_visit(activation) as visitor:
+    # A browser and a recogniser beside a quick arm: see the option.
+    with spoken_visit(activation, SOAK_SPEED, real_time_priority=5) as visitor:
         for plot in PLOTS[activation]:
             visitor.cell.begin_test()
             visitor.builds(plot)
