@@ -26,6 +26,8 @@ def robot(emulator: Emulator) -> Iterator[Clients]:
 
 @pytest.fixture(autouse=True)
 def ready(robot: Clients) -> None:
+    if robot.receive.isProtectiveStopped():
+        unlock(robot)
     if not robot.control.isProgramRunning():
         robot.dashboard.stop()
         assert robot.control.reuploadScript()
@@ -67,7 +69,7 @@ def test_a_protective_stop_fails_the_move_and_is_unlocked_after_its_time(
     emulator.inject("protective_stop")
     wait_until(robot.receive.isProtectiveStopped)
     robot.wait_rest()
-    assert not robot.control.isProgramRunning()
+    wait_until(lambda: not robot.control.isProgramRunning())
     assert not robot.control.moveL(robot.lifted(0.1), 0.25, 1.2)
     assert robot.receive.getRuntimeState() == 4  # paused
     with pytest.raises(RuntimeError, match="Cannot unlock"):
@@ -95,7 +97,7 @@ def test_an_upload_into_a_paused_program_only_stops_it(robot: Clients, emulator:
     unlock(robot)
     assert robot.control.reuploadScript()
     wait_until(lambda: robot.receive.getRuntimeState() == 1)
-    assert not robot.control.isProgramRunning()
+    wait_until(lambda: not robot.control.isProgramRunning())
     restart(robot)
 
 
