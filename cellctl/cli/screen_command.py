@@ -61,8 +61,8 @@ def picture(snapshot: Snapshot) -> RenderableType:
     top = state.split("_", maxsplit=1)[0]
     colour = {"fault": "red", "paused": "yellow", "idle": "green"}.get(top, "cyan")
     sentence = snapshot.state.sentence
-    if snapshot.fault.entry is not None:
-        sentence = f"{snapshot.fault.entry.title}\n{snapshot.fault.entry.remedy}"
+    if snapshot.dialogue.waits is not None:
+        sentence = snapshot.dialogue.waits.text
     job = snapshot.job
     bar: RenderableType | None = None
     if job is not None and job.parts_total and not job.outcome:

@@ -31,13 +31,7 @@ from cellctl.control.taking_apart import TakingApart
 from cellctl.control.wishes import Wishes
 from cellctl.errors import CellctlError, CellFault, ExitStatus, RefusedError
 from cellctl.feeding.inventory import Counts, Move
-from cellctl.messages import (
-    Outcome,
-    PartData,
-    PartPlace,
-    StateData,
-    StatusData,
-)
+from cellctl.messages import Outcome, PartData, PartPlace, StateData, StatusData
 from cellctl.wording import Wording
 
 log = structlog.get_logger(__name__)
@@ -88,7 +82,7 @@ class Cell:
             lambda: builder.ledger.counts.available + len(builder.standing),
         )
         self.line = wording.line("state.starting")
-        """The present state in words."""
+        """The present state in words, as visitors are told of it."""
         self.controller = Controller(self, publish)
         self.wishes = Wishes(
             config,
@@ -286,14 +280,16 @@ class Cell:
 
     def _tell(self, event: str, before: str, after: str) -> None:
         job = self.job
-        self.line = self.sentences.describe(
+        fault = self.controller.latched.fault if self.controller.latched else None
+        told = self.sentences.describe(
             after,
             job,
-            self.controller.latched.fault if self.controller.latched else None,
+            fault,
             self.builder.doubt,
             self.builder.ledger,
             recalled=event == Event.RECALLED.value,
         )
+        self.line = self.sentences.for_visitors(after, fault) or told
         self.last_state = StateData(
             state=after,
             previous=before,
@@ -301,7 +297,7 @@ class Cell:
             pausing=job is not None and job.pausing,
             cancelling=job is not None and job.cancelling,
             commands=self._possible(after),
-            sentence=self.line.text,
+            sentence=told.text,
         )
         self._publish(self.last_state, after)
         if job is not None:

@@ -1,4 +1,5 @@
-"""Why something is not built, for those who only want it: no cells, no figures, no settings.
+"""Why something is not built, or the cell stands still, for those who only want an object: no
+cells, no figures, no settings, no commands.
 
 An operator, and whoever plans by hand, is told all of it.
 """
@@ -24,6 +25,26 @@ BY_RULE: Final = {
 """By the rule that a shape breaks."""
 INSTEAD: Final = "Ask for something smaller or simpler, or for something else."
 """What a visitor can do about all of them."""
+_WHERE: Final = {
+    "no_parts": ("belt_empty",),
+    "belt": ("belt_jam", "belt_lost", "belt_mismatch"),
+    "gripper": (
+        *("gripper_silent", "gripper_fault", "gripper_reset", "gripper_mismatch"),
+        *("gripper_holds", "part_stuck"),
+    ),
+    "part": ("pick_missed", "not_seated", "part_fell"),
+    "in_the_way": ("contact_early", "no_route", "protective_stop"),
+    "too_close": ("safeguard_stop",),
+    "emergency": ("emergency_stop",),
+    "arm": (
+        *("arm_moved", "local_control", "robot_lost"),
+        *("program_stopped", "motion_timeout", "robot_mismatch"),
+    ),
+    "inside": ("journal_failed", "journal_damaged", "internal"),
+}
+"""Codes of faults that are the same to a visitor."""
+BY_FAULT: Final = {code: f"waits.{where}" for where, codes in _WHERE.items() for code in codes}
+"""Key of what a visitor is told, by the code of the fault."""
 
 
 def plainly(error: CellctlError) -> str:

@@ -1,4 +1,5 @@
-"""What the cell says to the people in front of it, in one sentence a state."""
+"""What the cell says to the people in front of it and to those who look after it, in one sentence a
+state."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from cellctl.assembly import BuildPlan, Change, Role, Value
 from cellctl.control.dialogue.naming import Naming
 from cellctl.control.job import Job
 from cellctl.control.ledger import Ledger
-from cellctl.control.plainly import plainly
+from cellctl.control.plainly import BY_FAULT, plainly
 from cellctl.control.recovery import Doubt
 from cellctl.errors import CellctlError, CellFault, FaultEntry
 from cellctl.messages import FaultData, JobData
@@ -56,7 +57,10 @@ class Sentences:
         *,
         recalled: bool = False,
     ) -> Line:
-        """The present state in words; ``recalled``: this daemon found it so when it started."""
+        """The present state in words, with what to do where the cell waits for people.
+
+        ``recalled``: this daemon found it so when it started.
+        """
         own = {
             "idle": lambda: self.idle(job, ledger),
             "paused_resting": lambda: self.paused(job, doubt, ledger),
@@ -73,6 +77,16 @@ class Sentences:
         if state.startswith(("assembling", "disassembling")):
             return self._working(state, job)
         return self._line(f"state.{state}")
+
+    def for_visitors(self, state: str, fault: CellFault | None) -> Line | None:
+        """What visitors are told where ``describe`` says what others have to do; None elsewhere."""
+        if state == "feeding_refilling":
+            return self._line("waits.no_parts")
+        if state == "paused_resting":
+            return self._line("waits.look")
+        if state.startswith("fault") and fault is not None and state != "fault_recovering":
+            return self._line(BY_FAULT[fault.code])
+        return None
 
     def _line(self, key: str, **fields: object) -> Line:
         return self.wording.line(key, **fields)

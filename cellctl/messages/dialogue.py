@@ -62,6 +62,9 @@ class DialogueData(Value):
     """The last thing said."""
     speaking: bool = False
     """Whether it is being said aloud now."""
+    waits: Line | None = None
+    """Why the cell waits for people, as visitors are told it; None while it does not. What those
+    who help it have to do say the topics ``state`` and ``fault``."""
     offers: tuple[Offer, ...] = ()
     deadline: datetime | None = None
     """When silence will count as a no; None while nothing is asked."""

@@ -24,7 +24,7 @@ class StateData(Value):
     cancelling: bool = False
     """A cancel was asked for; the part on its way is placed first."""
     sentence: str = ""
-    """The state in words for the people in the room."""
+    """The state in words, with what has to be done where the cell waits for people."""
     commands: tuple[str, ...] = ()
     """Commands that can lead on from here, by the machine's table; a visitor may not give all."""
 

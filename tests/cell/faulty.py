@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
+from cellctl.control.plainly import BY_FAULT
 from cellctl.errors import CATALOGUE, RefusedError
+from cellctl.wording import load_wording
 from tests.cell.harness import RunningCell, bar
 
 
@@ -27,6 +31,11 @@ def expect_fault(cell: RunningCell, code: str) -> None:
             cell.client.command(command)
     with pytest.raises(RefusedError, match="operator"):
         cell.visitor.command("reset")
+    plain = load_wording("en").text(BY_FAULT[code])
+    assert snapshot.dialogue.waits is not None
+    assert snapshot.dialogue.waits.text == plain
+    with pytest.raises(RefusedError, match=re.escape(plain)):
+        cell.visitor.command("cancel")
     still = cell.wait("rest", lambda now: not now.arm.moving)
     assert still.arm.joints_rad == pytest.approx(cell.client.snapshot().arm.joints_rad, abs=1e-4)
 

@@ -78,6 +78,12 @@ def test_a_belt_that_runs_empty_in_mid_build_is_waited_for_and_refilled(idle: Ru
         "The belt is empty and 2 parts are still to place. "
         "Lay parts on the belt and say `cellctl refill`."
     )
+    talk = snapshot.dialogue
+    assert talk.line is not None
+    assert talk.waits is not None
+    assert talk.line == talk.waits.model_copy(update={"number": talk.line.number})
+    assert talk.line.text.startswith("I have run out of parts.")
+    assert talk.line.text in idle.visitor.say("what are you doing?").message
     assert snapshot.inventory["belt"] == 0
     assert len(idle.truth().built) == ON_BELT
     with pytest.raises(RefusedError, match="operator"):

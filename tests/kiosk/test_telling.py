@@ -59,13 +59,13 @@ def test_a_question_is_about_what_was_said_last() -> None:
     assert (now.heard, now.understood) == ("make it taller", "Yes.")
 
 
-def test_a_fault_is_told_by_its_title_in_the_cells_language() -> None:
-    entry = CATALOGUE["belt_jam"].model_copy(update={"title": "Kein Teil kam an."})
-    line = Line(key="state.fault", text="Kein Teil kam an. Lege welche nach.", language="de")
-    fault = FaultData(entry=entry, detail="Das Band lief.")
-    talk = DialogueData(phase="fault", line=line)
+def test_a_fault_is_told_in_the_words_that_were_said_whatever_is_said_since() -> None:
+    fault = FaultData(entry=CATALOGUE["belt_jam"], detail="Das Band lief.")
+    waits = Line(key="waits.belt", text="Mein Band bringt mir keine Teile.", language="de")
+    answer = Line(key="answer.queue_empty", text="Niemand wartet.", language="de")
+    talk = DialogueData(phase="fault", line=answer, waits=waits)
     now = telling(snapshot(state=state("fault_held"), dialogue=talk, fault=fault))
-    assert (now.sentence, now.language) == ("Kein Teil kam an.", "de")
+    assert (now.sentence, now.language) == ("Mein Band bringt mir keine Teile.", "de")
 
 
 @pytest.mark.parametrize(

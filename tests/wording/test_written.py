@@ -11,7 +11,8 @@ import pytest
 
 from cellctl.assembly import Request
 from cellctl.config import load_config
-from cellctl.control.plainly import BY_RULE, INSTEAD, plainly
+from cellctl.control.plainly import BY_FAULT, BY_RULE, INSTEAD, plainly
+from cellctl.control.sentences import Sentences
 from cellctl.errors import CATALOGUE, CellFault, DesignError, PlanError
 from cellctl.generating.design import design
 from cellctl.listening.request import read_request
@@ -100,6 +101,31 @@ def test_every_fault_has_its_messages(language: str, code: str) -> None:
         assert ENGLISH.text(f"fault.{code}.{part}") == text
         assert wording.translated(text) == said
         assert (said == text) == (language == "en")
+
+
+FOR_OPERATORS = re.compile(
+    r"`|cellctl|[a-z]\.[a-z]|reset|resume|cancel|lösche|störung|port|board|platine", re.IGNORECASE
+)
+"""Commands, options, and what only those know who mend the cell."""
+
+
+@pytest.mark.parametrize("code", CATALOGUE)
+def test_every_fault_is_told_visitors_without_what_only_operators_can_do(code: str) -> None:
+    fault, told = CellFault(code, "Output 3 could not be written."), set()
+    for wording in (ENGLISH, GERMAN):
+        sentences = Sentences(wording, 0.05, 1, lambda: 0)
+        line = sentences.for_visitors(CATALOGUE[code].leads_to, fault)
+        assert line is not None
+        assert line.language == wording.language
+        assert not FOR_OPERATORS.search(line.text)
+        told.add(line.text)
+    assert len(told) == 2
+
+
+def test_every_reason_to_wait_is_told_and_no_other() -> None:
+    told = {f"waits.{key}" for key in ENGLISH.under("waits")}
+    assert told == {*BY_FAULT.values(), "waits.look"}
+    assert BY_FAULT.keys() == CATALOGUE.keys()
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,9 @@ from cellctl.messages import (
 from cellctl.speaking import Speaker
 from cellctl.wording import Line
 
-_SAID = ("ask.", "idle.", "done.", "paused.", "refilling.", "state.idle", "state.fault")
+_SAID = ("ask.", "idle.", "done.", "waits.", "state.idle")
 """Beginnings of the keys of sentences that are said when the state changes; others are shown."""
+_WAITS_FOR_PEOPLE = frozenset({"waiting", "fault"})
 
 
 class DialogueBoard:
@@ -89,6 +90,7 @@ class DialogueBoard:
             offers=scene.offers,
             speaking=self._speaker.speaking,
             queue=self._queue(),
+            waits=self._cell.line if scene.phase in _WAITS_FOR_PEOPLE else None,
         )
         job = self._cell.active_job
         if job is not None:

@@ -414,6 +414,8 @@ class Conversation:
         word = said.reading.said.value
         if word == "stop":
             self._board.hush()
+        else:
+            self._refuse_in_a_fault(said.who)
         return self._reply(word, await self._commands.take(word, said.who.role, said.who.owner))
 
     async def _cancel(self, said: Said) -> Line:
@@ -425,6 +427,7 @@ class Conversation:
             dropped = self._turns.drop(who.owner)
             if dropped is not None:
                 return self._line("queue.dropped", wish=dropped.wish)
+        self._refuse_in_a_fault(who)
         self._board.hush()
         return self._reply("cancel", await self._commands.take("cancel", who.role, who.owner))
 
@@ -469,5 +472,19 @@ class Conversation:
             message = self._explainer.refusal(request) or message
         raise RefusedError(message, self._wording.text(f"explain.how_to_answer_{asked}"))
 
-    async def _explain_state(self, _said: Said) -> Line:
-        raise RefusedError(self._wording.text("explain.busy", state=self._cell.line.text))
+    async def _explain_state(self, said: Said) -> Line:
+        raise self._not_now(said.who)
+
+    def _refuse_in_a_fault(self, who: Who) -> None:
+        """The machine says how a fault is cleared, which no visitor can do.
+
+        Raises:
+            RefusedError: to a visitor, why nothing can be done now.
+        """
+        if who.role is Role.VISITOR and self._follow() is Place.FAULT:
+            raise self._not_now(who)
+
+    def _not_now(self, who: Who) -> RefusedError:
+        cell = self._cell
+        state = cell.line.text if who.role is Role.VISITOR else cell.last_state.sentence
+        return RefusedError(self._wording.text("explain.busy", state=state))

@@ -20,8 +20,6 @@ def visitor_page(page: Page) -> None:
 
 
 _OWN: Final = {"never": "page.never_sentence", "starting": "visit.starting"}
-_NEEDS: Final = {"parts": "visit.need_parts", "look": "visit.need_look"}
-"""What is told of a cell that waits for people."""
 
 
 class _Visit:
@@ -65,8 +63,7 @@ class _Visit:
         stale = mirror.stale and not never
         # Across the room nobody reads that the question below is an old one.
         self._state.say(words.say("phase.never" if stale else _headline(now)))
-        # What the cell says then is for those who help it.
-        own = _OWN.get(now.phase, "") or _NEEDS.get(now.need, "")
+        own = _OWN.get(now.phase, "")
         sentence = words.say(own) if own else now.sentence
         self._sentence.show("" if stale else beside(sentence, self._state.text, now.changes))
         attribute(self._sentence, "lang", words.language if own else now.language)

@@ -156,9 +156,9 @@ def _sentence(snapshot: Snapshot) -> tuple[str, str]:
     talk = snapshot.dialogue
     if _waits_for_words(talk) and talk.line is not None:
         return talk.line.text, talk.line.language
+    if talk.waits is not None:
+        return talk.waits.text, talk.waits.language
     language = talk.line.language if talk.line is not None else "en"
-    if snapshot.fault.entry is not None:
-        return snapshot.fault.entry.title, language
     return snapshot.state.sentence, language
 
 
