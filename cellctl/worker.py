@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import ctypes
 import multiprocessing
-import os
 import signal
 import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
+from cellctl.beside import Beside, die_with
 from cellctl.errors import CellctlError
 
 T = TypeVar("T")
@@ -29,22 +28,16 @@ class WorkerError(CellctlError):
     """The worker died, took too long, or met a defect."""
 
 
-_PR_SET_PDEATHSIG = 1
-"""Of prctl(2)."""
-
-
-def _die_with_parent() -> None:
-    """End with the process that wants the work, however that ends, and not when it is done."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-    parent = multiprocessing.parent_process()
-    if parent is None or parent.pid != os.getppid():
-        os._exit(1)  # it has ended already
-
-
 def _serve(connection: Connection) -> None:
     """Body of the worker: calls in, progress and results out, until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _die_with_parent()
+    parent = multiprocessing.parent_process()
+    die_with(0 if parent is None else parent.pid or 0)
+    with Beside():
+        _answer_calls(connection)
+
+
+def _answer_calls(connection: Connection) -> None:
     while True:
         try:
             function, arguments, wants_progress = connection.recv()

@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from cellctl.assembly import BuildPlan
+from cellctl.beside import Beside
 from cellctl.cli.designing_here import design_here
 from cellctl.cli.job_commands import read_file
 from cellctl.cli.options import ConfigOption, configuration
@@ -218,7 +219,7 @@ def register(app: typer.Typer) -> None:
                 take_apart=take_apart,
                 configured=configured.planning.policy,
             )
-            with PlanProgress(aside, "reading what is wanted") as progress:
+            with Beside(), PlanProgress(aside, "reading what is wanted") as progress:
                 made = make_change(
                     given,
                     settings,

@@ -59,6 +59,8 @@ class Draft:
     closeness: Closeness | None = None
     wanted: Cells = frozenset()
     """Cells of the shape where some were changed; see ``BuildPlan``."""
+    exact: bool = True
+    """Whether the least margin is, or is at least ``GOOD_MARGIN``; else each is a lower bound."""
 
     @property
     def cells(self) -> Cells:
@@ -133,8 +135,8 @@ def redraft(
         physics: what holds them.
         gripper: what comes down with each.
         parts: how many there are.
-        verdicts: of its steps, where they were proven before. Where a margin is less than
-            ``GOOD_MARGIN`` they are proven anew, so that the least one is exact.
+        verdicts: of its steps, where they were proven before; then the least margin may be more
+            than they say.
 
     Raises:
         PlanError: it breaks a rule; the message names the rule and cells.
@@ -151,10 +153,27 @@ def redraft(
                 cells=(cell, *blockers),
             )
         placed.add(cell)
-    least = min((verdict.margin for verdict in verdicts), default=0.0)
-    if len(verdicts) != len(order) or least < max(GOOD_MARGIN, physics.least_margin):
-        verdicts = assess_order(order, physics)
-    return _proven(tuple(order), tuple(verdicts), physics, parts)
+    if len(verdicts) != len(order):
+        return _proven(tuple(order), assess_order(order, physics), physics, parts)
+    exact = min(verdict.margin for verdict in verdicts) >= GOOD_MARGIN
+    return replace(_proven(tuple(order), tuple(verdicts), physics, parts), exact=exact)
+
+
+def sharpened(draft: Draft, verdicts: Sequence[Verdict], physics: Physics) -> Draft:
+    """The same with the exact least margin.
+
+    Args:
+        draft: one whose margins are lower bounds.
+        verdicts: of its steps, by ``assess_order``.
+        physics: what holds them.
+
+    Raises:
+        PlanError: it does not stand.
+    """
+    stands = check_stability(draft.order, verdicts, physics.least_margin)
+    refuse_failed([stands])
+    checks = tuple(stands if check.name == stands.name else check for check in draft.checks)
+    return replace(draft, checks=checks, verdicts=tuple(verdicts), exact=True)
 
 
 def paper_draft(found: PaperPlan, physics: Physics) -> Draft:

@@ -11,7 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from cellctl.assembling.route import RoutePlanner
-from cellctl.assembly import BuildPlan, Cell, Closeness, StepKind
+from cellctl.assembly import BuildPlan, Cell, Check, Closeness, StepKind
+from cellctl.beside import stand_by
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
 from cellctl.mesh import GeneratedMesh
@@ -59,6 +60,7 @@ def plan_build(
     """
     tell = progress or _silent
     tell("discretising")
+    stand_by("cellctl.validating.siting")
     fitted = fit(generated, config)
     tell("checking")
     parts = _parts(config, inventory_parts)
@@ -74,8 +76,7 @@ def plan_build(
     questions = (*size_questions(stated_m, size, pitch_m), *found.questions)
     tell("sequencing")
     found = replace(found, changes=changes, questions=questions)
-    plan = site(found, config, generated.title, generated.provenance)
-    return _verified(plan, config, parts)
+    return _passed(*site(found, config, generated.title, generated.provenance, parts))
 
 
 def plan_cells(
@@ -104,8 +105,7 @@ def plan_cells(
     # Checked where they were given, so that a refusal names them as its reader knows them.
     x, y, z = (min(axis) for axis in zip(*wanted, strict=True))
     found = _drafted_cells(frozenset(c._replace(z=c.z - z) for c in wanted), config, parts)
-    plan = site(found.moved(-x, -y), config, title, provenance)
-    return _verified(plan, config, parts)
+    return _passed(*site(found.moved(-x, -y), config, title, provenance, parts))
 
 
 def plan_file(
@@ -179,7 +179,7 @@ def recheck(plan: BuildPlan, config: CellConfig, inventory_parts: int | None = N
     asked = (*plan.questions, *(q for q in found.questions if q not in plan.questions))
     found = replace(found, changes=plan.changes, questions=asked, closeness=plan.closeness)
     found = replace(found, wanted=frozenset(plan.wanted))
-    return _verified(site_here(found, config, plan.title, plan.provenance), config, parts)
+    return _passed(*site_here(found, config, plan.title, plan.provenance, parts))
 
 
 def plan_taking_apart(name: str, content: bytes, config: CellConfig) -> BuildPlan:
@@ -366,15 +366,22 @@ def _drafted_cells(cells: Cells, config: CellConfig, parts: int) -> Draft:
     return draft(cells, physics, Gripper.of(config), parts)
 
 
-def _verified(
-    plan: BuildPlan, config: CellConfig, parts: int, standing: Cells = frozenset()
-) -> BuildPlan:
-    """The plan, if the independent checker finds nothing wrong with it.
+def _verified(plan: BuildPlan, config: CellConfig, parts: int, standing: Cells) -> BuildPlan:
+    """A plan that begins with what stands, if the independent checker finds nothing wrong with it.
 
     Raises:
         PlanError: it does, which is a defect of the planner.
     """
-    for check in verify(plan, config, parts, standing):
+    return _passed(plan, verify(plan, config, parts, standing))
+
+
+def _passed(plan: BuildPlan, judgement: Iterable[Check]) -> BuildPlan:
+    """The plan, if the independent checker found nothing wrong with it.
+
+    Raises:
+        PlanError: it did, which is a defect of the planner.
+    """
+    for check in judgement:
         # By the paper's rules, counts decide; how it stands is asked about.
         if not check.passed and not (plan.policy == "paper" and check.name == "stability"):
             raise PlanError(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cellctl.assembly import BuildPlan, Cell, Intent, Request, StepKind
+from cellctl.beside import Beside, stand_by
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError, UsageError
 from cellctl.generating.boxes import Box
@@ -112,6 +113,13 @@ def test_the_same_object_has_the_same_plan_and_another_has_another() -> None:
     other = plan_build(generated(Box(0, 0, 0, 2, 2, 1)), CONFIG)
     assert one == again
     assert one.plan_id != other.plan_id
+
+
+def test_two_processes_come_to_the_same_plan_as_one() -> None:
+    alone = wish("table", {"legs": 1})
+    with Beside():
+        stand_by("cellctl.validating.siting")
+        assert wish("table", {"legs": 1}) == alone
 
 
 def test_changes_and_questions_reach_the_plan() -> None:

@@ -139,8 +139,11 @@ class Mechanism:
                     yield self._shifted(dx, dy, dz, size)
 
     def _shifted(self, dx: int, dy: int, dz: int, size: Size) -> Mechanism:
+        nx, ny, nz = size
+
         def moved(cell: Cell) -> Cell:
-            return Cell(cell.x + dx, cell.y + dy, cell.z + dz)
+            x, y, z = cell
+            return Cell(x + dx, y + dy, z + dz)
 
         return replace(
             self,
@@ -148,7 +151,7 @@ class Mechanism:
             missing=frozenset(
                 cell
                 for cell in map(moved, self.missing)
-                if all(0 <= at < edge for at, edge in zip(cell, size, strict=True))
+                if 0 <= cell.x < nx and 0 <= cell.y < ny and 0 <= cell.z < nz
             ),
             first=None if self.first is None else moved(self.first),
             loads=tuple((moved(cell), load) for cell, load in self.loads),

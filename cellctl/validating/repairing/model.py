@@ -96,6 +96,10 @@ class Model:
         )
         self._pixels: list[tuple[cp_model.IntVar, float, float]] = []
         self._holds: dict[tuple[Cell, Cells], cp_model.IntVar] = {}
+        self._props = {
+            cell: [(c, c.below(), self._of[c]) for c in (cell, *lateral(cell)) if c in self._of]
+            for cell in self._of
+        }
         self._rests: dict[Cell, cp_model.IntVar] = {}
         self._hint: Cells = frozenset()
         self._add_count(parts)
@@ -223,8 +227,11 @@ class Model:
         """
         if cell.z == 0:
             return self._at(cell)
-        stays = [c for c in (cell, *lateral(cell)) if c in self._of and c not in moving]
-        props = frozenset(self._of[c] for c in stays if c.below() not in moving)
+        props = frozenset(
+            first
+            for one, below, first in self._props[cell]
+            if one not in moving and below not in moving
+        )
         key = (self._of[cell], props)
         if key not in self._holds:
             holds = self._model.new_bool_var("")

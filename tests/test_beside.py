@@ -1,0 +1,83 @@
+"""A second process that takes a share: the same outcome, and no process left behind."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import signal
+import time
+
+import pytest
+
+from cellctl.beside import Beside, Task, share, stand_by
+
+_PATIENCE_S = 20.0
+_NAP_S = 0.002
+
+
+def nap(number: int) -> tuple[int, int]:
+    """The number, and the process that had it, after as long as a task takes."""
+    time.sleep(_NAP_S)
+    return number, os.getpid()
+
+
+def end(pid: int) -> tuple[None, int]:
+    """Kill a process, which may be the one that does this."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
+    return None, os.getpid()
+
+
+NAPS = [Task(nap, (number,)) for number in range(20)]
+
+
+def begun() -> int:
+    """Wait until a second process takes its share, and tell which one."""
+    until_s = time.monotonic() + _PATIENCE_S
+    while time.monotonic() < until_s:
+        stand_by("math")
+        others: set[int] = {pid for _, pid in share(NAPS)} - {os.getpid()}
+        if others:
+            return others.pop()
+    raise AssertionError("no second process took a share")
+
+
+def gone(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def test_two_processes_share_and_nothing_is_done_twice_or_left_out() -> None:
+    with Beside():
+        other = begun()
+        assert [number for number, _ in share(NAPS)] == list(range(20))
+    assert gone(other)
+
+
+def test_without_a_second_process_all_is_done_here() -> None:
+    stand_by("math")
+    assert share(NAPS) == [(number, os.getpid()) for number in range(20)]
+    with Beside():
+        assert share(NAPS) == [(number, os.getpid()) for number in range(20)]  # none was started
+
+
+def test_the_first_failure_in_order_is_raised_whoever_met_it() -> None:
+    failing = [*NAPS[:6], Task(math.sqrt, (-1.0,)), *NAPS[:6], Task(int, ("one",)), *NAPS]
+    with Beside():
+        begun()
+        for _ in range(5):
+            with pytest.raises(ValueError, match="math domain error"):
+                share(failing)
+            assert [number for number, _ in share(NAPS)] == list(range(20))
+
+
+def test_a_second_process_that_dies_leaves_its_share_to_the_first() -> None:
+    with Beside():
+        other = begun()
+        values = share([*NAPS[:10], Task(end, (other,)), *NAPS[10:]])
+        assert [number for number, _ in values] == [*range(10), None, *range(10, 20)]
+        assert begun() != other
