@@ -13,12 +13,12 @@ import pytest
 from cellctl.beside import Beside, Task, share, stand_by
 
 _PATIENCE_S = 20.0
-_NAP_S = 0.002
+_MUCH = 100_000
 
 
-def nap(number: int) -> tuple[int, int]:
-    """The number, and the process that had it, after as long as a task takes."""
-    time.sleep(_NAP_S)
+def work(number: int) -> tuple[int, int]:
+    """The number, and the process that had it, after some milliseconds."""
+    assert sum(range(_MUCH)) > 0
     return number, os.getpid()
 
 
@@ -29,7 +29,7 @@ def end(pid: int) -> tuple[None, int]:
     return None, os.getpid()
 
 
-NAPS = [Task(nap, (number,)) for number in range(20)]
+WORK = [Task(work, (number,)) for number in range(20)]
 
 
 def begun() -> int:
@@ -37,7 +37,7 @@ def begun() -> int:
     until_s = time.monotonic() + _PATIENCE_S
     while time.monotonic() < until_s:
         stand_by("math")
-        others: set[int] = {pid for _, pid in share(NAPS)} - {os.getpid()}
+        others: set[int] = {pid for _, pid in share(WORK)} - {os.getpid()}
         if others:
             return others.pop()
     raise AssertionError("no second process took a share")
@@ -54,30 +54,30 @@ def gone(pid: int) -> bool:
 def test_two_processes_share_and_nothing_is_done_twice_or_left_out() -> None:
     with Beside():
         other = begun()
-        assert [number for number, _ in share(NAPS)] == list(range(20))
+        assert [number for number, _ in share(WORK)] == list(range(20))
     assert gone(other)
 
 
 def test_without_a_second_process_all_is_done_here() -> None:
     stand_by("math")
-    assert share(NAPS) == [(number, os.getpid()) for number in range(20)]
+    assert share(WORK) == [(number, os.getpid()) for number in range(20)]
     with Beside():
-        assert share(NAPS) == [(number, os.getpid()) for number in range(20)]  # none was started
+        assert share(WORK) == [(number, os.getpid()) for number in range(20)]  # none was started
 
 
 def test_the_first_failure_in_order_is_raised_whoever_met_it() -> None:
-    failing = [*NAPS[:6], Task(math.sqrt, (-1.0,)), *NAPS[:6], Task(int, ("one",)), *NAPS]
+    failing = [*WORK[:6], Task(math.sqrt, (-1.0,)), *WORK[:6], Task(int, ("one",)), *WORK]
     with Beside():
         begun()
         for _ in range(5):
             with pytest.raises(ValueError, match="math domain error"):
                 share(failing)
-            assert [number for number, _ in share(NAPS)] == list(range(20))
+            assert [number for number, _ in share(WORK)] == list(range(20))
 
 
 def test_a_second_process_that_dies_leaves_its_share_to_the_first() -> None:
     with Beside():
         other = begun()
-        values = share([*NAPS[:10], Task(end, (other,)), *NAPS[10:]])
+        values = share([*WORK[:10], Task(end, (other,)), *WORK[10:]])
         assert [number for number, _ in values] == [*range(10), None, *range(10, 20)]
         assert begun() != other
