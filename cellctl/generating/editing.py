@@ -164,7 +164,7 @@ def _with_attribute(
         case "remove", Count():
             now = values.get(name, 0)
             assert isinstance(now, int), "a count is a number"
-            values[name] = now - int(edit.amount) if edit.amount is not None else known.least
+            values[name] = now - int(edit.amount) if edit.amount is not None else 0
         case ("add" | "remove") as op, Flag():
             values[name] = op == "add"
         case _:

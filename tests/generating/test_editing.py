@@ -124,6 +124,7 @@ def test_parts_grow_alike() -> None:
         (family("stool"), Edit(op="add", part="drawer", attribute="drawers"), "drawers of a stool"),
         (family("stool"), Edit(op="set", attribute="legs", value=3), "like that already"),
         (family("stool"), Edit(op="set", attribute="legs", value=20), "at most 9"),
+        (family("table"), Edit(op="remove", part="leg", attribute="legs"), "at least one leg"),
         (family("shelf"), Edit(op="add", attribute="tiers", amount=5, unit="parts"), "at most"),
         (family("snake"), Edit(op="scale", axis="width", direction="+"), "all the room"),
         (family("heart"), Edit(op="scale", axis="width", direction="+"), "cannot be made"),
