@@ -114,8 +114,10 @@ def test_what_shall_not_be_built_is_refused_politely(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["a water gun", "a knife rack", "a bread knife block", "a cannon tower", "a gun holder"]
-)
+    "text",
+    ["a water gun", "a knife rack", "a bread knife block", "a cannon tower", "a gun holder",
+     "a house as big as mine"],
+)  # fmt: skip
 def test_what_only_sounds_like_a_weapon_is_built(text: str) -> None:
     assert understand(text).buildable
 

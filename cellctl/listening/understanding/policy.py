@@ -15,6 +15,10 @@ _REFUSALS = {
 }
 
 
+_BEFORE_MY_OWN = frozenset({"as", "be", "is", "like", "of", "than"})
+"""After these "mine" is no weapon but what is the speaker's: a house as big as mine."""
+
+
 def refusal_of(words: Sequence[str], head: str) -> str:
     """What is said to a wish that shall not be built; empty for one that may be.
 
@@ -30,6 +34,8 @@ def refusal_of(words: Sequence[str], head: str) -> str:
             return _REFUSALS[kind]
     if set(plain) & known.insults:
         return _REFUSALS["insult"]
+    if len(words) > 1 and words[-1] == "mine" and words[-2] in _BEFORE_MY_OWN:
+        return ""
     # A "gun rack" is a rack, a "sword in a stone" is a sword.
     if {head, *words[-1:]} & known.weapons and not set(plain) & known.harmless:
         return _REFUSALS["weapon"]
