@@ -145,7 +145,7 @@ def _unitless_scale(
 def size_questions(
     stated_m: dict[str, float], size_cells: tuple[int, int, int], pitch_m: float
 ) -> tuple[str, ...]:
-    """What to ask where the outcome misses a stated size by more than half a part."""
+    """What to ask about where the outcome misses a stated size by more than half a part."""
     questions = []
     for axis, name in enumerate(AXES):
         stated = stated_m.get(name)
@@ -153,7 +153,7 @@ def size_questions(
         if stated is not None and abs(built - stated) > pitch_m / 2 + 1e-9:
             questions.append(
                 f"You asked for a {name} of {centimetres(stated)}; what I can build here has "
-                f"{centimetres(built)}. Shall I build it so?"
+                f"{centimetres(built)}."
             )
     return tuple(questions)
 

@@ -84,7 +84,7 @@ def test_an_empty_mesh_is_refused() -> None:
 def test_a_size_is_asked_about_when_missed_and_told_when_rounded() -> None:
     stated = {"height": 0.45, "width": 1.0, "depth": 0.3}
     assert size_questions(stated, (6, 3, 5), 0.1) == (
-        "You asked for a width of 100 cm; what I can build here has 60 cm. Shall I build it so?",
+        "You asked for a width of 100 cm; what I can build here has 60 cm.",
     )
     changes = size_changes(stated, (6, 3, 5), 0.1)
     assert [change.what for change in changes] == ["Its height is 50 cm instead of 45 cm."]
