@@ -2,7 +2,9 @@
 
 Every question gets a name that no other ever has, so that a yes counts for the one that it was an
 answer to. Who answers on a screen names the question that was shown there. Who speaks answers the
-newest question whose words had begun when the speech began: one that came later was not heard yet.
+newest question whose words had begun when the speech began: one that came later was not heard yet,
+and that it was shown already says nothing, for the cell still reads back aloud what it understood
+then, to which people say yes as well.
 """
 
 from __future__ import annotations
