@@ -74,8 +74,10 @@ class Commands:
         else:
             idle = controller.state == "idle"
             await controller.command(_EVENTS[word])
-            if idle and word == "stop":
+            if word == "stop" and idle:
                 return self._wording.text("reply.nothing_moves")
+            if word == "stop" and not self._cell.builder.ledger.holding:
+                return self._wording.text("reply.stop_empty")
         return self._wording.text(f"reply.{word}")
 
     async def answer(self, yes: bool, unless: Callable[[], str] | None = None) -> str:

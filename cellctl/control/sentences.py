@@ -14,6 +14,7 @@ from cellctl.control.ledger import Ledger
 from cellctl.control.plainly import BY_FAULT, plainly
 from cellctl.control.recovery import Doubt
 from cellctl.errors import CellctlError, CellFault, FaultEntry
+from cellctl.generating.wording import with_article
 from cellctl.messages import FaultData, JobData
 from cellctl.wording import REFERENCE_LANGUAGE, Line, Wording
 
@@ -188,6 +189,12 @@ class Sentences:
         """What the job is about, in the cell's language where that knows it."""
         title = job.plan.title if job.plan is not None else ""
         return self._naming.title(job.request, title)
+
+    def thing(self, job: Job) -> str:
+        """The same with its article, such as ``a stool with four legs``; a file has a bare name."""
+        name = self.name(job)
+        english = self.wording.language == REFERENCE_LANGUAGE
+        return with_article(name) if english and name and job.request is not None else name
 
     def _amount(self, parts: int, plan: BuildPlan) -> str:
         """How many parts, and how long they take where that is known."""

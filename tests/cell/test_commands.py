@@ -82,7 +82,7 @@ def test_a_change_said_while_it_asks_is_planned_and_asked_about(idle: RunningCel
 
 
 def test_another_shape_is_shown_until_there_is_none(idle: RunningCell) -> None:
-    with pytest.raises(RefusedError, match="Nothing waits"):
+    with pytest.raises(RefusedError, match="I have not asked"):
         idle.visitor.say("show me another")
     idle.visitor.say("the letter T")
     first = asked(idle, "Letter T", "Shall I build it?")
@@ -170,7 +170,7 @@ def test_a_part_that_a_cancelled_job_left_in_the_gripper_is_built_into_the_next(
     job = idle.wait_state("paused_resting").job
     assert job is not None
     assert job.outcome == "cancelled"
-    with pytest.raises(RefusedError, match="paused"):
+    with pytest.raises(RefusedError, match="I stand still"):
         idle.visitor.say("the letter T")
     idle.client.command("resume")
     idle.wait_state("idle")
@@ -183,7 +183,7 @@ def test_what_makes_no_sense_is_refused_with_a_reason(idle: RunningCell) -> None
     for command in ("resume", "reset", "cancel"):
         with pytest.raises(RefusedError):
             idle.client.command(command)
-    with pytest.raises(RefusedError, match="Nothing waits for a yes"):
+    with pytest.raises(RefusedError, match="I have not asked"):
         idle.client.confirm(True)
     with pytest.raises(RefusedError, match="operator"):
         idle.visitor.build("bar.json", bar(1, 1, 1))
@@ -195,7 +195,7 @@ def test_what_makes_no_sense_is_refused_with_a_reason(idle: RunningCell) -> None
 
 def test_pause_in_idle_holds_new_jobs_until_resumed(idle: RunningCell) -> None:
     idle.client.command("pause")
-    with pytest.raises(RefusedError, match="paused"):
+    with pytest.raises(RefusedError, match="I stand still"):
         idle.visitor.say("the letter T")
     idle.client.command("resume")
     idle.wait_state("idle")

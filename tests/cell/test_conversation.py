@@ -84,10 +84,17 @@ def test_a_wish_is_understood_read_back_changed_and_only_built_after_a_yes(
         "the other question",
         lambda now: now.dialogue.question == "build" and now.dialogue.understood == "A letter T.",
     )
+    assert said(idle, "thank you").endswith("Say yes if I shall build it.")
     assert said(idle, "no thanks") == "Then I leave it."
     assert idle.finish().outcome == "declined"
     assert idle.truth().built == ()
+    # The last thing to be heard is what the cell waits for.
+    declined = "All right, I shall not build it. What shall I build?"
+    idle.wait(
+        "that", lambda now: now.dialogue.line is not None and now.dialogue.line.text == declined
+    )
     assert "A table with four legs." in lines(idle)
+    assert said(idle, "what are you doing?") == "I wait for a wish. What shall I build?"
 
 
 def test_a_yes_counts_for_the_question_that_was_shown_and_for_no_later_one(
@@ -126,6 +133,9 @@ def test_what_is_not_understood_is_helped_differently_each_time(idle: RunningCel
         help_given.append(idle.finish().message)
     assert len(set(help_given[:3])) == 3
     assert help_given[2] == help_given[3]
+    assert "speak" not in help_given[2]
+    said(idle, "make it taller")
+    assert idle.finish().message.startswith("I change a thing only before you say yes to it.")
     assert said(idle, "help").startswith("Tell me what to build")
     said(idle, "it rained again")
     assert idle.finish().message == help_given[0]
@@ -181,7 +191,9 @@ def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
     idle.finish()
     assert set(dialogue(idle).offers) == {"take_apart", "hand_over"}
     assert "somebody else" in refused(idle, "thank you, it is mine", "anna")
+    assert said(idle, "thank you").endswith("say: it is mine.")
     assert "1 part" in said(idle, "thank you, it is mine")
+    assert said(idle, "why?") == "I have asked whether you take along what stands."
     assert "somebody else" in refused(idle, "yes", "anna")
     asking = dialogue(idle)
     assert (asking.phase, asking.question) == ("asking", "hand_over")
@@ -191,7 +203,19 @@ def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
     idle.world.hand_over()
     assert "1 part handed over" in said(idle, "yes")
     assert idle.client.snapshot().standing == ()
+    assert said(idle, "thanks") == "You are welcome."
     idle.assert_inventory_true()
+
+
+def test_a_stop_where_nothing_is_held_names_no_part_and_only_an_operator_resumes(
+    idle: RunningCell,
+) -> None:
+    said(idle, "the letter T")
+    idle.wait_state("validating_confirming")
+    assert said(idle, "stop") == "Stopping now."
+    idle.wait_state("paused_resting")
+    assert refused(idle, "go on") == "Only an operator lets me go on."
+    assert "I stand still" in said(idle, "what are you doing?")
 
 
 def test_counts_are_told_what_is_possible(idle: RunningCell) -> None:

@@ -16,11 +16,13 @@ import tomli_w
 from cellctl.assembly import Change, Role
 from cellctl.config import HearingSection
 from cellctl.control.daemon import Daemon
+from cellctl.control.dialogue.naming import Naming
 from cellctl.control.dialogue.table import Input
 from cellctl.errors import CATALOGUE, CellFault, ConfigError, HearingError
 from cellctl.listening.models import find_model
 from cellctl.listening.request import read_request
 from cellctl.messages import FaultData, JobData
+from cellctl.wording import load_wording
 from tests.cell.harness import cell_config
 
 
@@ -92,6 +94,10 @@ def test_what_the_bus_shows_is_in_the_cells_language(tmp_path: Path) -> None:
     assert shown.detail == "Nach 10 s: das Band läuft noch."
     with daemon(tmp_path, language="en") as english:
         assert english.cell.sentences.shown(fault) is fault
+
+
+def test_a_wish_for_the_letter_i_is_read_back_as_one() -> None:
+    assert Naming(load_wording("en")).wish(read_request("the letter I")) == "a letter I"
 
 
 def test_a_daemon_without_words_does_not_begin(tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_a_visitor_types_a_wish_sees_what_was_understood_and_says_no(idle: Visit
         # As a browser has it that has not been told of a change yet.
         opened.page.evaluate("document.querySelector('.actions').dataset.asked = 'the one before'")
         opened.press("Yes")
-        opened.says("That was an answer to what I asked before")
+        opened.says("That answer came before my question")
         assert idle.cell.client.snapshot().state.state == "validating_confirming"
         opened.press("No")
         opened.phase("ready")

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from cellctl.control.cell import Cell
 from cellctl.control.dialogue.reading import Topic
 from cellctl.control.dialogue.table import Place
+from cellctl.control.job import Job
 from cellctl.messages import QueueEntry
 from cellctl.wording import Line
 
@@ -49,6 +50,8 @@ class Answers:
                 return self._waiting()
             case "who":
                 return self._line("answer.who")
+            case "thanks":
+                return self._thanks(place)
 
     def _line(self, key: str, **fields: object) -> Line:
         return self._wording.line(key, **fields)
@@ -69,13 +72,19 @@ class Answers:
                 return self._line("answer.how_long_ready")
 
     def _doing(self, place: Place) -> Line:
-        job = self._cell.active_job
+        cell, job = self._cell, self._cell.active_job
+        if place is Place.ASKING_HAND_OVER:
+            return self._line("answer.doing_hand_over")
+        if place is Place.READY and (cell.job is None or cell.job.outcome != "built"):
+            # Not what became of the last wish: that was said.
+            asks = cell.sentences.idle(None, cell.builder.ledger).text
+            return self._line("answer.doing_ready", sentence=asks)
         if place is not Place.WORKING or job is None or job.plan is None:
-            return self._line("answer.doing", sentence=self._cell.line.text)
+            return self._line("answer.doing", sentence=cell.line.text)
         progress = {"done": job.placed, "total": len(job.plan.steps)}
         if job.takes_apart:
             return self._line("answer.doing_apart", **progress)
-        return self._line("answer.doing_working", object=self._cell.sentences.name(job), **progress)
+        return self._line("answer.doing_working", object=cell.sentences.thing(job), **progress)
 
     def _parts(self, place: Place) -> Line:
         job = self._cell.active_job
@@ -85,22 +94,40 @@ class Answers:
         return self._line("answer.parts_have", count=self._cell.builder.ledger.counts.available)
 
     def _why(self, place: Place) -> Line:
-        cell = self._cell
-        job = cell.active_job
-        if place in {Place.FAULT, Place.WAITING, Place.STARTING}:
-            return self._line("answer.doing", sentence=cell.line.text)
-        if place in {Place.ASKING_BUILD, Place.ASKING_APART} and job is not None:
-            changes = job.plan.changes if job.plan is not None else ()
-            translated = self._wording.translated
-            reasons = " ".join(f"{translated(c.what)} {translated(c.why)}" for c in changes)
-            if reasons:
-                return self._line("answer.why_asking", reasons=reasons)
-            return self._line("answer.why_as_asked")
-        if place is Place.WORKING:
-            return self._line("answer.why_working")
-        if cell.job is not None and cell.job.message:
-            return self._line("answer.why_last", message=cell.job.message)
-        return self._line("answer.why_nothing")
+        cell, job = self._cell, self._cell.active_job
+        match place:
+            case Place.FAULT | Place.WAITING | Place.STARTING:
+                line = self._line("answer.doing", sentence=cell.line.text)
+            case Place.ASKING_HAND_OVER:
+                line = self._line("answer.doing_hand_over")
+            case Place.ASKING_APART:
+                line = self._line("explain.asked_apart")
+            case Place.ASKING_BUILD if job is not None:
+                line = self._why_so(job)
+            case Place.WORKING:
+                line = self._line("answer.why_working")
+            case _ if cell.job is not None and cell.job.message:
+                line = self._line("answer.why_last", message=cell.job.message)
+            case _:
+                line = self._line("answer.why_nothing")
+        return line
+
+    def _why_so(self, job: Job) -> Line:
+        changes = job.plan.changes if job.plan is not None else ()
+        translated = self._wording.translated
+        reasons = " ".join(f"{translated(c.what)} {translated(c.why)}" for c in changes)
+        if reasons:
+            return self._line("answer.why_asking", reasons=reasons)
+        return self._line("answer.why_as_asked")
+
+    def _thanks(self, place: Place) -> Line:
+        match place:
+            case Place.ASKING_BUILD:
+                return self._line("answer.thanks_asking")
+            case Place.READY if self._cell.builder.standing:
+                return self._line("answer.thanks_standing")
+            case _:
+                return self._line("answer.thanks")
 
     def _waiting(self) -> Line:
         entries = self._queue()

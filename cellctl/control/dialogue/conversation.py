@@ -34,8 +34,8 @@ log = structlog.get_logger(__name__)
 
 _TICK_S = 0.25
 """How often time-outs and turns are looked at (wall time)."""
-_SHOWN_ONLY = frozenset({"reply.thinking", "reply.changing", "reply.another"})
-"""Lines that nobody needs to hear: what follows says more."""
+_ANSWERED_ONLY = frozenset({"reply.thinking", "reply.changing", "reply.another", "reply.no"})
+"""Lines for the one who said something: what the cell itself says then tells more."""
 
 
 class Conversation:
@@ -242,7 +242,7 @@ class Conversation:
         reading = self.phrasebook.read(utterance.text)
         if reading.topic is not None:
             return self._answers.answer(reading.topic, Place.READY).text
-        return self._explainer.explain(request).text
+        return self._explainer.explain(request, typed=utterance.source == "text").text
 
     # --- the table at work ---------------------------------------------------------------------
 
@@ -266,7 +266,7 @@ class Conversation:
             if isinstance(error, RefusedError):
                 raise RefusedError(message, hint) from error
             raise
-        if line.text and line.key not in _SHOWN_ONLY:
+        if line.text and line.key not in _ANSWERED_ONLY:
             self._board.say(line)
         self._transcript.keep("cell", line.text)
         return line.text
@@ -355,7 +355,7 @@ class Conversation:
         place = len(self._turns.entries)
         if job is None:
             return self._line("queue.in_line", wish=wish, place=place)
-        about = self._cell.sentences.name(job) or self._wording.text("queue.another_job")
+        about = self._cell.sentences.thing(job) or self._wording.text("queue.another_job")
         return self._line("queue.added", job=about, wish=wish, place=place)
 
     async def _queue_again(self, said: Said) -> Line:
@@ -416,6 +416,8 @@ class Conversation:
             self._board.hush()
         else:
             self._refuse_in_a_fault(said.who)
+        if word == "resume" and said.who.role is Role.VISITOR:
+            raise RefusedError(self._wording.text("explain.resume"))
         return self._reply(word, await self._commands.take(word, said.who.role, said.who.owner))
 
     async def _cancel(self, said: Said) -> Line:
@@ -429,7 +431,10 @@ class Conversation:
                 return self._line("queue.dropped", wish=dropped.wish)
         self._refuse_in_a_fault(who)
         self._board.hush()
-        return self._reply("cancel", await self._commands.take("cancel", who.role, who.owner))
+        thinking = self._place is not Place.WORKING and self._place is not Place.WAITING
+        text = await self._commands.take("cancel", who.role, who.owner)
+        # Where nothing moves, it has ended already, and was said to have.
+        return self._line("reply.no") if thinking else self._reply("cancel", text)
 
     # --- talk ----------------------------------------------------------------------------------
 
@@ -461,7 +466,8 @@ class Conversation:
 
     async def _explain(self, said: Said) -> Line:
         assert said.request is not None, "it was read and not understood"
-        raise RefusedError(self._explainer.explain(said.request).text)
+        typed = said.utterance.source == "text"
+        raise RefusedError(self._explainer.explain(said.request, typed=typed).text)
 
     async def _explain_answer(self, said: Said) -> Line:
         """What is neither yes nor no while something is asked."""

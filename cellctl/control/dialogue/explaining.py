@@ -9,6 +9,8 @@ from cellctl.wording import REFERENCE_LANGUAGE, Line, Wording
 _ANOTHER_VISITOR_S = 60.0
 """After so long it is likely somebody else who is not understood (cell time)."""
 _HELP = ("explain.again", "explain.at_last")
+_HELP_TYPED = ("explain.again", "explain.at_last_typed")
+"""To somebody whose words were not spoken."""
 
 
 class Explainer:
@@ -29,17 +31,25 @@ class Explainer:
         """Something was understood: the next failure is a first one."""
         self._times = 0
 
-    def explain(self, request: Request) -> Line:
-        """What a request lacks, and what would help."""
+    def explain(self, request: Request, *, typed: bool) -> Line:
+        """What a request lacks, and what would help.
+
+        Args:
+            request: what was read.
+            typed: its words were not spoken.
+        """
         if request.refusal:
             return self._as_read("explain.refused", request.refusal)
+        if request.intent is Intent.EDIT:
+            return self._wording.line("explain.change")
         now_s = self._clock.now_s()
         if now_s - self._last_s > _ANOTHER_VISITOR_S:
             self._times = 0
         self._last_s = now_s
         self._times += 1
         if self._times > 1:
-            return self._wording.line(_HELP[min(self._times - 2, len(_HELP) - 1)])
+            help_given = _HELP_TYPED if typed else _HELP
+            return self._wording.line(help_given[min(self._times - 2, len(help_given) - 1)])
         is_question = request.intent is Intent.QUERY
         key = "explain.question" if is_question else "explain.nothing"
         return self._as_read(key, request.reason)

@@ -62,10 +62,12 @@ class Naming:
 
 def _spelt(request: Request) -> str:
     """The phrase, with a letter that is to be built as a capital."""
-    glyph = request.attributes.get("glyph")
-    if not isinstance(glyph, str) or not request.phrase.endswith(f" {glyph.lower()}"):
-        return request.phrase
-    return request.phrase[: -len(glyph)] + glyph.upper()
+    glyph, phrase = request.attributes.get("glyph"), request.phrase
+    if not isinstance(glyph, str):
+        return phrase
+    if phrase == "letter":
+        return f"letter {glyph}"  # an I was taken for the one who speaks
+    return phrase[: -len(glyph)] + glyph.upper() if phrase.endswith(f" {glyph.lower()}") else phrase
 
 
 def _as_changed(request: Request) -> Mapping[str, Attribute]:

@@ -11,9 +11,12 @@ from cellctl.listening.commands import Sayings, plain, spoken_command
 from cellctl.listening.understanding.policy import refusal_of
 from cellctl.wording import REFERENCE_LANGUAGE, Wording, load_wording
 
-Topic = Literal["can_make", "how_long", "doing", "parts_left", "why", "queue", "who"]
-"""What can be asked."""
-_TOPICS: tuple[Topic, ...] = ("can_make", "how_long", "parts_left", "queue", "doing", "why", "who")
+Topic = Literal["can_make", "how_long", "doing", "parts_left", "why", "queue", "who", "thanks"]
+"""What can be asked, and what else is said that wants no more than an answer."""
+_TOPICS: tuple[Topic, ...] = (
+    *("can_make", "how_long", "parts_left", "queue"),
+    *("doing", "why", "who", "thanks"),
+)
 _NAME_MOST = 30
 _INPUTS = {
     "yes": Input.YES,
