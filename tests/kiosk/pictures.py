@@ -37,6 +37,7 @@ from tests.virtual_sound import virtual_sound
 _SPEED = 2.0
 _WISH = "a table with three legs"
 _SMALL_WISH = "the letter T"
+_REFUSED_WISH = "a penguin"
 _BELT = 32
 """Parts on a full belt, so that it is empty before the table is finished."""
 _CALL = "Please call 1234, or ask at the desk."
@@ -156,6 +157,9 @@ def asking(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     screen.phase("ready")
     album.take(screen, "ready")
     album.also("ready-dark", "ready", "kiosk")
+    screen.type(_REFUSED_WISH)
+    screen.says("I cannot design")
+    album.take(screen, "refused")
     screen.type(_WISH)
     passing(album, screen, cell, "thinking")
     screen.phase("asking")
