@@ -14,12 +14,14 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar, Token
 from importlib import import_module
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
+from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
@@ -194,10 +196,22 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     die_with(parent_pid)
     os.nice(_GIVES_WAY)
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
-        while True:
-            number, task = connection.recv()
+    given: SimpleQueue[tuple[int, Task] | None] = SimpleQueue()
+    # Tasks are always taken, also while an outcome waits to be: or both would wait for the other,
+    # where one of each is too large for the pipe.
+    threading.Thread(target=_take, args=(connection, given), daemon=True).start()
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        while (entry := given.get()) is not None:
+            number, task = entry
             connection.send((number, _done(task)))
+
+
+def _take(connection: Connection, given: SimpleQueue[tuple[int, Task] | None]) -> None:
+    try:
+        while True:
+            given.put(connection.recv())
+    except (EOFError, ConnectionResetError):
+        given.put(None)
 
 
 def _load(module: str) -> None:

@@ -58,6 +58,13 @@ def test_two_processes_share_and_nothing_is_done_twice_or_left_out() -> None:
     assert gone(other)
 
 
+def test_large_tasks_and_outcomes_pass_each_other() -> None:
+    much = bytes(1_000_000)
+    with Beside():
+        begun()
+        assert share([Task(bytes, (much,))] * 12) == [much] * 12
+
+
 def test_without_a_second_process_all_is_done_here() -> None:
     stand_by("math")
     assert share(WORK) == [(number, os.getpid()) for number in range(20)]
