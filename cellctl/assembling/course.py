@@ -30,6 +30,7 @@ JOINT_BLEND_ACCELERATION_RAD_S2 = 10.0
 _SPACING_M = 0.04
 _SPACING_RAD = 0.05
 _SAME_TURN_RAD = 1e-6
+_ON_THE_SPOT_M = 1e-9
 _REFINEMENTS = 2
 
 
@@ -68,14 +69,12 @@ def line_course(
     poses = [to_matrix(start), *(to_matrix(waypoint.pose) for waypoint in path)]
     corners = np.array([pose[:3, 3] for pose in poses])
     turns = [_turn(one, other) for one, other in itertools.pairwise(poses)]
-    found = []
-    for piece in pieces(corners, [w.blend_radius_m for w in path[:-1]], _SPACING_M):
-        turned_m = TURN_WEIGHT_M_PER_RAD * float(np.linalg.norm(turns[piece.leg]))
-        whole_m = float(np.linalg.norm(corners[piece.leg + 1] - corners[piece.leg]))
-        if not piece.arc and turned_m > whole_m:
-            share = float(piece.shares[-1] - piece.shares[0])
-            piece = piece._replace(length=turned_m * share)  # noqa: PLW2901 - the same, longer
-        found.append(piece)
+    turned_m = TURN_WEIGHT_M_PER_RAD * np.linalg.norm(turns, axis=1)
+    straight_m = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    found = [
+        _as_long_as_it_turns(piece, turned_m, straight_m)
+        for piece in pieces(corners, [w.blend_radius_m for w in path[:-1]], _SPACING_M)
+    ]
     points = np.concatenate([piece.values for piece in found])
     shares = np.concatenate([piece.shares for piece in found])
     rotations = _rotations(poses, turns, shares)
@@ -134,6 +133,19 @@ def _blends_rad(corners: Floats, blends_m: Sequence[float], tcp) -> list[float]:
     for i, value in zip(inner, reach.tolist(), strict=True):
         found[i - 1] = value
     return found
+
+
+def _as_long_as_it_turns(piece: Piece, turned_m: Floats, straight_m: Floats) -> Piece:
+    """The same piece, longer where turning takes longer than the way; an arc is as slow as the
+    slower of the legs beside it."""
+    legs = slice(piece.leg, piece.leg + 2 if piece.arc else piece.leg + 1)
+    turned, straight = turned_m[legs], straight_m[legs]
+    if not (turned > straight).any():
+        return piece
+    if straight.min() < _ON_THE_SPOT_M:
+        return piece._replace(length=float(turned.max()))  # there is no arc beside it
+    slower = float((turned / straight).max())
+    return piece._replace(length=piece.length * slower, radius=piece.radius * slower**2)
 
 
 def _turn(a: Matrix, b: Matrix) -> Floats:

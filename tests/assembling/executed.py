@@ -15,7 +15,7 @@ import numpy as np
 
 from cellctl.assembling.arm import JointWaypoint, Path
 from cellctl.assembling.route import Route, RoutePlanner, Stance
-from cellctl.assembly import Cell
+from cellctl.assembly import Cell, Step
 from cellctl.config import CellConfig
 from cellctl.sim.ur.arm import Arm
 from cellctl.sim.ur.kinematics import inverse_matrix, pose_matrix
@@ -119,6 +119,21 @@ class Bench:
         up = self.routes.retreat(self.stance(), placed, carrying=False)
         self.follow(up)
         self.follow(self.routes.to_home(self.stance(), placed, carrying=False))
+        return self.seen
+
+    def take_apart(self, steps: Iterable[Step], standing: Iterable[Cell]) -> Executed:
+        """Bring parts back to the belt, from where the arm is, and say what it came to."""
+        now = set(standing)
+        self.seen = Executed()
+        for step in steps:
+            assert step.take_off is not None, "it takes parts away"
+            self.world.belt_move(-self.config.voxel.pitch_m)
+            self.follow(self.routes.to_grip(step.cell, now, self.stance()))
+            self.world.latch_closed()
+            self.follow(self.routes.take_off(step.cell, step.take_off, now, self.stance()))
+            now.discard(step.cell)
+            self.follow(self.routes.to_station(now, self.stance()))
+            self.world.latch_opened()
         return self.seen
 
     def _rise(self, cell: Cell, placed: list[Cell]) -> float:

@@ -7,7 +7,7 @@ import pytest
 from cellctl.assembly import BuildPlan, Cell
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
-from cellctl.validating.plan import plan_cells
+from cellctl.validating.plan import plan_cells, take_apart
 from tests.assembling.executed import Bench, slab
 from tests.validating.solids import random_solid
 
@@ -35,6 +35,19 @@ def test_touches_nothing_keeps_every_limit_and_takes_as_long_as_told(
     assert seen.tcp_m_s <= 1.01 * robot.travel_speed_m_s
     if pace != "square":
         assert seen.hardest <= 1.03
+    assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.02)
+
+
+def test_taking_apart_touches_nothing_and_takes_as_long_as_told(either_cell: CellConfig) -> None:
+    column = [Cell(1, 0, z) for z in range(3)]
+    order = [*column, Cell(0, 0, 2), Cell(2, 0, 2)]
+    bench = Bench(either_cell)
+    bench.build(order)
+    plan = take_apart(frozenset(order), either_cell, title="T", parts_on_belt=0)
+    seen = bench.take_apart(plan.steps, order)
+    assert seen.violations == []
+    assert bench.world.built == frozenset()
+    assert seen.fastest <= 1.0
     assert seen.duration_s == pytest.approx(seen.predicted_s, rel=0.02)
 
 
