@@ -138,5 +138,5 @@ def tell_steps(wish: str, cell: RunningCell) -> None:
     predicted_s = sum(step.duration_s or 0.0 for step in snapshot.plan.steps)
     print(  # noqa: T201
         f"{wish}: {len(taken)} parts taken off in {sum(taken):.0f} s, {len(placed)} placed in "
-        f"{sum(placed):.0f} s; {predicted_s:.0f} s predicted without the latch"
+        f"{sum(placed):.0f} s; {predicted_s:.0f} s predicted"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from cellctl.assembling.route import Route, RoutePlanner, Stance
+from cellctl.assembling.route import SETTING_OUT_S, Route, RoutePlanner, Stance
 from cellctl.assembly import BuildPlan, Cell, Check, Step, StepKind, TakeOff
 from cellctl.config import CellConfig
 from cellctl.errors import PlanError
@@ -85,4 +85,5 @@ def _taken(planner: RoutePlanner, step: Step, now: set[Cell], at: Stance) -> tup
     """Where the arm is when it has taken a part off, and how long that takes."""
     there = planner.to_grip(step.cell, now, at)
     off = planner.take_off(step.cell, step.take_off or _PULL, now, there.end)
-    return off.end, there.duration_s + planner.gripping_s + off.duration_s
+    gripped_s = there.duration_s + planner.gripping_s
+    return off.end, gripped_s + SETTING_OUT_S + off.duration_s
