@@ -25,6 +25,8 @@ _BETWEEN_SENTENCES = re.compile(r"(?<=[.!?]) (?=[A-Z`])")
 _AFTER_A_COLON = re.compile(r"(?<=:) (?=[A-Z`])")
 _IN_A_FIELD = r"(?:(?!(?<=[.!?:]) (?-i:[A-Z`])).)+?"
 """Never more than one sentence: others are found by themselves."""
+_COUNT = r"[^\s,]+"
+"""A number, in digits or as a word."""
 _BETWEEN_WORDS = re.compile(r"(, or |, and |, | and )")
 
 Forms = tuple[str, ...]
@@ -174,7 +176,8 @@ def _number(count: str) -> int:
 def _pattern(form: str) -> re.Pattern[str]:
     """What a message looks like with its fields filled in."""
     pieces = [
-        re.escape(text) + (f"(?P<{name}>{_IN_A_FIELD})" if name is not None else "")
+        re.escape(text)
+        + (f"(?P<{name}>{_COUNT if name == 'count' else _IN_A_FIELD})" if name is not None else "")
         for text, name, _, _ in string.Formatter().parse(form)
     ]
     return re.compile("".join(pieces), re.IGNORECASE)

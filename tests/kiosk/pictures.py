@@ -162,8 +162,12 @@ def asking(album: Album, screen: OpenPage, cell: RunningCell) -> None:
     album.take(screen, "refused")
     screen.type(_WISH)
     passing(album, screen, cell, "thinking")
-    screen.phase("asking")
-    album.take(screen, "asking")
+    while True:
+        _going(cell, "the question", _asks)
+        screen.phase("asking")
+        album.take(screen, "asking")
+        if cell.client.snapshot().state.state not in _FAULTS:
+            break
     album.also("phone", "asking")
 
 
@@ -284,6 +288,10 @@ def doubtful(album: Album, cell: RunningCell) -> None:
 
 def _is_jammed(now: Snapshot) -> bool:
     return now.fault.entry is not None and now.fault.entry.code == "belt_jam"
+
+
+def _asks(now: Snapshot) -> bool:
+    return now.state.state == "validating_confirming"
 
 
 def _at_work(now: Snapshot) -> bool:
