@@ -63,6 +63,7 @@ def test_what_a_german_sentence_is(text: str, said: Input) -> None:
         ("Wie viele Teile fehlen noch?", "parts_left"),
         ("Warum ist er so klein?", "why"),
         ("Wer bist du?", "who"),
+        ("Vielen Dank!", "thanks"),
         ("how long will it take", "how_long"),
     ],
 )
@@ -114,6 +115,30 @@ def test_a_german_change_is_understood(text: str, edit: tuple[str, str | None, s
     assert request.intent is Intent.EDIT
     first = request.edits[0]
     assert (first.op, first.axis, first.direction) == edit
+
+
+@pytest.mark.parametrize(
+    ("text", "edit"),
+    [
+        ("noch ein Boden", ("add", "tiers", 1.0, None)),
+        ("zwei Böden mehr", ("add", "tiers", 2.0, None)),
+        ("ein Bein weniger", ("remove", "legs", 1.0, None)),
+        ("mach ihn rot", ("set", "colour", None, "red")),
+        ("mach ihn schöner", ("scale", "looks", None, None)),
+    ],
+)
+def test_a_german_change_of_a_feature_is_understood(
+    text: str, edit: tuple[str, str, float | None, str | None]
+) -> None:
+    request = READER.interpret(text, DEFAULT_SETTING)
+    assert request.intent is Intent.EDIT
+    first = request.edits[0]
+    assert (first.op, first.attribute, first.amount, first.value) == edit
+
+
+@pytest.mark.parametrize("text", ["noch einen Hocker", "noch eine Bank"])
+def test_another_thing_in_german_is_a_wish(text: str) -> None:
+    assert READER.interpret(text, DEFAULT_SETTING).intent is Intent.DESIGN
 
 
 def test_a_size_in_german_is_a_size() -> None:

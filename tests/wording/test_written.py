@@ -15,6 +15,7 @@ from cellctl.control.plainly import BY_FAULT, BY_RULE, INSTEAD, plainly
 from cellctl.control.sentences import Sentences
 from cellctl.errors import CATALOGUE, CellFault, DesignError, PlanError
 from cellctl.generating.design import design
+from cellctl.generating.families import FAMILIES
 from cellctl.listening.request import read_request
 from cellctl.validating.fit import size_questions
 from cellctl.wording import languages, load_wording
@@ -187,6 +188,16 @@ def test_refusals_of_real_wishes_have_no_english_in_them(wish: str, said: str) -
         design(request, config)
     assert ENGLISH.knows(refused.value.message)
     assert said in GERMAN.translated(str(refused.value))
+
+
+TRAITS = {"colour", "looks", "weight", "roundness", "strength", "simplicity"}
+"""Of things, that people would like to have otherwise, and nothing here can change."""
+
+
+@pytest.mark.parametrize("name", sorted(TRAITS.union(*(family.takes for family in FAMILIES))))
+def test_what_people_would_change_of_a_thing_is_named_in_the_language(name: str) -> None:
+    assert ENGLISH.knows(name)
+    assert GERMAN.translated(name) != name
 
 
 def test_every_rule_is_said_plainly_in_every_language() -> None:
