@@ -207,7 +207,7 @@ def test_a_finished_object_is_handed_over_after_a_yes_and_silence_is_a_no(
     idle.assert_inventory_true()
 
 
-def test_a_stop_where_nothing_is_held_names_no_part_and_only_an_operator_resumes(
+def test_after_a_stop_an_operator_resumes_and_the_question_is_what_is_said_last(
     idle: RunningCell,
 ) -> None:
     said(idle, "the letter T")
@@ -216,6 +216,12 @@ def test_a_stop_where_nothing_is_held_names_no_part_and_only_an_operator_resumes
     idle.wait_state("paused_resting")
     assert refused(idle, "go on") == "Only an operator lets me go on."
     assert "I stand still" in said(idle, "what are you doing?")
+    assert idle.client.command("resume").message == "Going on."
+    idle.wait_state("validating_confirming")
+    asking = dialogue(idle).line
+    assert asking is not None
+    assert asking.key == "ask.build"
+    said(idle, "no")
 
 
 def test_counts_are_told_what_is_possible(idle: RunningCell) -> None:

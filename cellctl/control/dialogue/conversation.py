@@ -20,7 +20,7 @@ from cellctl.control.dialogue.explaining import Explainer
 from cellctl.control.dialogue.names import Names
 from cellctl.control.dialogue.naming import Naming
 from cellctl.control.dialogue.reading import Phrasebook, Reading
-from cellctl.control.dialogue.said import Said, Who
+from cellctl.control.dialogue.said import Said, Who, is_for_all
 from cellctl.control.dialogue.table import Act, Input, Place, decide
 from cellctl.control.dialogue.transcript import Transcript
 from cellctl.control.dialogue.turns import Turns
@@ -34,8 +34,6 @@ log = structlog.get_logger(__name__)
 
 _TICK_S = 0.25
 """How often time-outs and turns are looked at (wall time)."""
-_ANSWERED_ONLY = frozenset({"reply.thinking", "reply.changing", "reply.another", "reply.no"})
-"""Lines for the one who said something: what the cell itself says then tells more."""
 
 
 class Conversation:
@@ -266,7 +264,7 @@ class Conversation:
             if isinstance(error, RefusedError):
                 raise RefusedError(message, hint) from error
             raise
-        if line.text and line.key not in _ANSWERED_ONLY:
+        if is_for_all(line, self._follow()):
             self._board.say(line)
         self._transcript.keep("cell", line.text)
         return line.text
