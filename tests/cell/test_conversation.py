@@ -79,6 +79,9 @@ def test_a_wish_is_understood_read_back_changed_and_only_built_after_a_yes(
     assert "parts" in said(idle, "How many parts are left?")
     assert refused(idle, "good weather today").endswith("make it taller.")
     assert idle.client.snapshot().state.state == "validating_confirming"
+    said(idle, "make it red")
+    idle.wait("what stays", lambda now: "So it stays" in now.state.sentence)
+    assert said(idle, "why?").startswith("I cannot change the colour of a table.")
     said(idle, "the letter T")
     idle.wait(
         "the other question",

@@ -153,6 +153,6 @@ def test_what_is_no_wish_in_german_is_none(text: str) -> None:
 
 def test_what_the_code_writes_in_english_is_said_in_german() -> None:
     assert GERMAN.translated("Nothing waits for a yes.") == "Auf ein Ja wartet gerade nichts."
-    assert GERMAN.translated("One stool, not 2.") == "Nur eines, nicht 2 (Hocker)."
+    assert GERMAN.translated("One stool, not 2.") == "Nur ein Stück (Hocker), nicht 2."
     assert GERMAN.translated("Unheard of.") == "Unheard of."
     assert load_wording("en").translated("Nothing waits for a yes.") == "Nothing waits for a yes."

@@ -115,8 +115,9 @@ class Answers:
     def _why_so(self, job: Job) -> Line:
         changes = job.plan.changes if job.plan is not None else ()
         translated = self._wording.translated
-        reasons = " ".join(f"{translated(c.what)} {translated(c.why)}" for c in changes)
-        if reasons:
+        told = [translated(part) for change in changes for part in (change.what, change.why)]
+        # Why what was asked for last was not changed comes first.
+        if reasons := " ".join(filter(None, [translated(job.note), *told])):
             return self._line("answer.why_asking", reasons=reasons)
         return self._line("answer.why_as_asked")
 
