@@ -450,6 +450,8 @@ class Conversation:
                 return self._line("explain.how_to_answer_build")
             case Place.ASKING_APART | Place.ASKING_HAND_OVER:
                 return self._line("explain.how_to_answer_apart")
+            case Place.WAITING | Place.FAULT:
+                return self._line("answer.doing", sentence=self._cell.line.text)
             case _:
                 return self._line("reply.help")
 
