@@ -28,6 +28,7 @@ _SEVERAL = re.compile(
     r"digits?|initials?) (?P<signs>\w+(?:(?: and)? \w+)+)|(?:word|name) (?P<word>[a-z]{2,12}))"
     r"(?: please)?"
 )
+_WORDS_OF_A_SIGN = frozenset({"a", "i"})
 GLYPH_NOUNS = frozenset(
     {"letter", "number", "digit", "numeral", "capital", "figure", "uppercase", "lowercase"}
 )
@@ -83,10 +84,11 @@ def _is_read(words: list[str]) -> bool:
 
 
 def read_glyph(words: Sequence[str]) -> str | None:
-    """The letter or digit of ``letter t``, ``capital r``, ``number seven``; upper case."""
+    """The letter or digit of ``letter t``, ``two letters t``, ``number seven``; upper case."""
     for index in range(len(words) - 1):
         name = words[index + 1]
-        if words[index] not in GLYPH_NOUNS:
+        several = words[index] not in GLYPH_NOUNS
+        if singular(words[index]) not in GLYPH_NOUNS or (several and name in _WORDS_OF_A_SIGN):
             continue
         if len(name) == 1 and name.isalnum():
             return name.upper()

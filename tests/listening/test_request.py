@@ -96,6 +96,7 @@ def test_what_and_how_many(text: str, objects: tuple[str, ...], count: int) -> N
         ("a box with a lid", {"lid": True}),
         ("the letter T", {"glyph": "T"}),
         ("capital r", {"glyph": "R"}),
+        ("two letters T", {"glyph": "T"}),
         ("the number seven", {"glyph": "7"}),
         ("a red stool", {"colour": "red"}),
         ("a chair. It should have three legs", {"legs": 3}),
