@@ -204,13 +204,15 @@ def test_a_wish_is_said_asked_about_built_cancelled_and_taken_apart(tmp_path: Pa
         shown = cellctl("status", config=path)
         assert shown.returncode == 0
         assert "idle" in shown.stdout
-        assert json.loads(cellctl("status", "--json", config=path).stdout)["standing"]
+        # How many were placed before it was cancelled depends on how quickly a command starts.
+        standing = len(json.loads(cellctl("status", "--json", config=path).stdout)["standing"])
+        assert standing >= 1
         with begun(path, "take-apart", "--wait") as waiting:
             cell.wait_state("validating_confirming")
             assert cellctl("yes", config=path).returncode == 0
             told, _ = waiting.communicate(timeout=TIMEOUT_S)
         assert waiting.returncode == 0
-        assert "part   1 of 1" in told
+        assert f"part {standing:>3} of {standing}" in told
         assert not json.loads(cellctl("status", "--json", config=path).stdout)["standing"]
 
 
