@@ -31,7 +31,8 @@ _AT_ONCE = 2
 
 
 class Sited(NamedTuple):
-    """A plan, and what the independent checker says of it."""
+    """A plan, and what the independent checker says of it; it looks at the steps' order and cells,
+    not at the arm's ways, which are found meanwhile."""
 
     plan: BuildPlan
     judgement: tuple[Check, ...]
@@ -59,6 +60,8 @@ def site(draft: Draft, config: CellConfig, title: str, provenance: str, parts: i
             placed = _far_first(draft.moved(dx, dy), away_s)
             return site_here(placed, config, title, provenance, parts)
         except PlanError as error:
+            if error.rule == "stability":
+                raise  # it is the same in every place
             refused = refused or error
     assert refused is not None, "a place was tried"
     raise PlanError(

@@ -91,5 +91,6 @@ def _by_highs(cost: Floats, rows: csr_array, sides: Floats, low: Floats, equatio
         raise PlanError(
             f"The stability of this object cannot be computed: {found.message}",
             "Ask for a smaller object.",
+            rule="stability",
         )
     return Optimum(float(found.fun), found.x, np.asarray(found.eqlin.marginals))
