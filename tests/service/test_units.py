@@ -154,11 +154,6 @@ def wait(cell: Machine, what: str, holds: Callable[[], bool], patience_s: float 
         time.sleep(0.05)
 
 
-def state(cell: Machine) -> str:
-    """Of the daemon's machine."""
-    return str(json.loads(cell.run("cellctl", "status", "--json").stdout)["state"]["state"])
-
-
 def start(cell: Machine) -> None:
     """Start the emulated cell, and the daemon once its conveyor and robot are there."""
     cell.run("systemctl", "start", "emulated.service")
@@ -168,20 +163,37 @@ def start(cell: Machine) -> None:
         lambda: cell.run("cellctl", "sim", "truth", check=False).returncode == 0,
     )
     cell.run("systemctl", "start", "cellctl.service")  # returns when the daemon has said READY
+    wait(cell, "an idle cell", lambda: state(cell) == "idle")
 
 
-def built(cell: Machine) -> bool:
-    """Whether the object stands; goes on, as an operator does, when the robot heard us too late.
+def state(cell: Machine) -> str:
+    """Of the daemon's machine; goes on, as an operator does, when the robot heard us too late.
 
     A busy machine makes that happen: what is proven here is not the arm's watchdog.
     """
     snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
-    fault = snapshot["fault"]["entry"]
-    if fault is not None and snapshot["state"]["state"] == "fault_stopped":
-        assert fault["code"] == "program_stopped", snapshot["fault"]
-        cell.run("cellctl", "reset")
-    elif snapshot["state"]["state"] == "paused_resting":
-        cell.run("cellctl", "resume")
+    fault, now = snapshot["fault"]["entry"], str(snapshot["state"]["state"])
+    if fault is not None and now == "fault_stopped":
+        assert fault["code"] in {"program_stopped", "robot_lost"}, snapshot["fault"]
+        cell.run("cellctl", "reset", check=False)
+    elif now == "paused_resting":
+        cell.run("cellctl", "resume", check=False)
+    return now
+
+
+def asked(cell: Machine) -> bool:
+    """Whether the object waits for a yes; it is asked for until it does."""
+    now = state(cell)
+    if now == "idle":
+        cell.run("cellctl", "build", "/opt/cellctl/bar.json", check=False)
+    return now == "validating_confirming"
+
+
+def built(cell: Machine) -> bool:
+    """Whether the object stands; says yes to it."""
+    if state(cell) == "validating_confirming":
+        cell.run("cellctl", "yes", check=False)
+    snapshot = json.loads(cell.run("cellctl", "status", "--json").stdout)
     return bool(snapshot["job"]["outcome"] == "built")
 
 
@@ -209,14 +221,12 @@ def test_what_the_units_restrictions_leave_to_the_daemon(cell: Machine) -> None:
 @pytest.mark.shared_cell
 def test_the_service_builds_and_is_started_again_when_it_hangs(cell: Machine) -> None:
     start(cell)
-    wait(cell, "an idle cell", lambda: state(cell) == "idle")
     assert cell.property_of("cellctl.service", "StatusText")
 
-    cell.run("cellctl", "build", "/opt/cellctl/bar.json")
+    wait(cell, "a question", lambda: asked(cell))
     refusal = cell.run("bash", INSTALL, check=False)
     assert refusal.returncode == 1
     assert "refused: a job is under way" in refusal.stderr
-    cell.run("cellctl", "yes")
     wait(cell, "the object", lambda: built(cell))
     truth = json.loads(cell.run("cellctl", "sim", "truth").stdout)
     # Nearest to the station.
