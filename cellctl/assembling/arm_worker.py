@@ -54,6 +54,10 @@ HANG_S = 2.5
 """No round of the loop may take longer; a path's upload is the longest."""
 
 _ROUND_S = 0.004
+_IDLE_ROUND_S = 0.01
+"""With nothing under way; an order ends the wait for the next round at once."""
+_KICKS_A_PERIOD = 5
+"""Of the controller's watchdog, at least."""
 _REPORT_PERIOD_S = 0.012
 _CONNECT_LIMIT_S = 120.0
 _LAST_STOP_S = 3.0
@@ -96,7 +100,8 @@ class Worker:
         """
         while self._close is None or self._close in self._tasks:
             signal.setitimer(signal.ITIMER_REAL, HANG_S)
-            select.select([self._daemon], [self._daemon] if self._unsent else [], [], _ROUND_S)
+            wait_s = self._round_s()
+            select.select([self._daemon], [self._daemon] if self._unsent else [], [], wait_s)
             if not self._listen():
                 self._stop_for_good()
                 return
@@ -107,6 +112,11 @@ class Worker:
             self._link.end_program()
         self._send(Done(number=self._close))
         self._say_last_words()
+
+    def _round_s(self) -> float:
+        if self._movement is not None or self._tasks or self._robot is None:
+            return _ROUND_S
+        return min(_IDLE_ROUND_S, 1.0 / (_KICKS_A_PERIOD * self._robot.robot.watchdog_hz))
 
     def _round(self, link: Link) -> None:
         try:

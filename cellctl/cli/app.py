@@ -6,6 +6,8 @@ wrong, where, and what to do about it.
 
 from __future__ import annotations
 
+import importlib
+import os
 import sys
 import traceback
 
@@ -14,45 +16,73 @@ from rich.console import Console
 from rich.text import Text
 
 from cellctl import __version__
-from cellctl.cli import (
-    backup_commands,
-    boards_command,
-    calibrate_command,
-    catalogue_command,
-    commission_command,
-    config_commands,
-    demo_command,
-    design_command,
-    doctor_command,
-    ears_commands,
-    faults_command,
-    gripper_commands,
-    hand_commands,
-    history_commands,
-    job_commands,
-    journal_commands,
-    keys_commands,
-    kiosk_command,
-    models_commands,
-    paper_command,
-    parts_commands,
-    plan_command,
-    run_command,
-    screen_command,
-    sim_commands,
-    status_commands,
-    understand_command,
-    voice_commands,
-)
 from cellctl.errors import CellctlError, ExitStatus
 
-app = typer.Typer(
-    name="cellctl",
-    help="Runs a robot cell that builds spoken wishes from reusable magnetic voxels.",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
-)
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "run_command": ("run",),
+    "demo_command": ("demo",),
+    "understand_command": ("understand",),
+    "design_command": ("design",),
+    "catalogue_command": ("catalogue",),
+    "plan_command": ("plan",),
+    "paper_command": ("paper",),
+    "job_commands": (
+        "say",
+        "build",
+        "yes",
+        "no",
+        "take-apart",
+        "another",
+        "pause",
+        "resume",
+        "stop",
+        "cancel",
+        "reset",
+        "clear",
+    ),
+    "parts_commands": ("refill", "hand-over", "wishes", "recover", "scrap", "missing", "inventory"),
+    "gripper_commands": ("gripper",),
+    "hand_commands": ("hand",),
+    "status_commands": ("status", "watch"),
+    "faults_command": ("faults",),
+    "history_commands": ("history",),
+    "doctor_command": ("doctor",),
+    "commission_command": ("commission",),
+    "calibrate_command": ("calibrate",),
+    "ears_commands": ("listen", "mute", "unmute", "microphone"),
+    "voice_commands": ("voice",),
+    "sim_commands": ("sim",),
+    "config_commands": ("config",),
+    "journal_commands": ("journal",),
+    "keys_commands": ("keys",),
+    "kiosk_command": ("kiosk",),
+    "backup_commands": ("backup", "restore"),
+    "models_commands": ("models",),
+    "boards_command": ("boards",),
+    "screen_command": ("screen",),
+}
+"""The modules in this folder in the order of the help, and what commands each of them has."""
+
+
+def command_line(wanted: str | None = None) -> typer.Typer:
+    """The command line.
+
+    Args:
+        wanted: only the module of this command is loaded, if there is one: to load them all takes
+            longer than what most of them do.
+    """
+    app = typer.Typer(
+        name="cellctl",
+        help="Runs a robot cell that builds spoken wishes from reusable magnetic voxels.",
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="rich",
+    )
+    app.callback()(_root)
+    modules = [module for module, names in COMMANDS.items() if wanted in names] or COMMANDS
+    for module in modules:
+        importlib.import_module(f"cellctl.cli.{module}").register(app)
+    return app
 
 
 def _version(wanted: bool) -> None:
@@ -61,7 +91,6 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _root(
     version: bool = typer.Option(
         False, "--version", callback=_version, is_eager=True, help="Show the version and exit."
@@ -70,43 +99,11 @@ def _root(
     """Runs a robot cell that builds spoken wishes from reusable magnetic voxels."""
 
 
-for module in (
-    run_command,
-    demo_command,
-    understand_command,
-    design_command,
-    catalogue_command,
-    plan_command,
-    paper_command,
-    job_commands,
-    parts_commands,
-    gripper_commands,
-    hand_commands,
-    status_commands,
-    faults_command,
-    history_commands,
-    doctor_command,
-    commission_command,
-    calibrate_command,
-    ears_commands,
-    voice_commands,
-    sim_commands,
-    config_commands,
-    journal_commands,
-    keys_commands,
-    kiosk_command,
-    backup_commands,
-    models_commands,
-    boards_command,
-    screen_command,
-):
-    module.register(app)
-
-
 def main() -> None:
     """Entry point of the console script."""
+    completing = "_CELLCTL_COMPLETE" in os.environ
     try:
-        app()
+        command_line(sys.argv[1] if len(sys.argv) > 1 and not completing else None)()
     except CellctlError as error:
         console = Console(stderr=True, highlight=False, soft_wrap=True)
         console.print("[bold red]error:[/]", Text(error.message))

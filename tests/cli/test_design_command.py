@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from cellctl.cli.app import app
+from cellctl.cli.app import command_line
 from cellctl.errors import DesignError, UsageError
 from cellctl.validating.files import load_mesh
 
@@ -21,7 +21,7 @@ Design = Callable[..., Result]
 @pytest.fixture
 def design(monkeypatch: pytest.MonkeyPatch) -> Design:
     monkeypatch.setenv("CELLCTL_CONFIG", str(CONFIG))
-    return lambda *arguments: CliRunner().invoke(app, ["design", *map(str, arguments)])
+    return lambda *arguments: CliRunner().invoke(command_line(), ["design", *map(str, arguments)])
 
 
 def test_a_sentence_becomes_a_description_and_a_shape(design: Design, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from cellctl import keys
 from cellctl.assembly import Role
-from cellctl.cli.app import app
+from cellctl.cli.app import command_line
 from cellctl.client import CellClient
 from cellctl.config import BusSection, CellConfig, load_config
 from cellctl.errors import ConfigError, RefusedError
@@ -34,7 +34,7 @@ def wide_cell(folder: Path) -> tuple[CellConfig, Path]:
 
 def run(*arguments: str) -> str:
     """Run a command in this process; what it printed."""
-    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    done = CliRunner().invoke(command_line(), arguments, catch_exceptions=False)
     assert done.exit_code == 0
     return done.output
 

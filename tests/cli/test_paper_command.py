@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
-from cellctl.cli.app import app
+from cellctl.cli.app import command_line
 from cellctl.cli.paper_view import quantity
 from cellctl.errors import UsageError
 from cellctl.validating.paper.comparing import TableName, compare
@@ -24,7 +24,7 @@ Figures = dict[tuple[str, str, str], dict[str, Any]]
 
 
 def run(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["paper", "--config", str(CONFIG_FILE), *arguments])
+    return CliRunner().invoke(command_line(), ["paper", "--config", str(CONFIG_FILE), *arguments])
 
 
 @pytest.fixture(scope="module")

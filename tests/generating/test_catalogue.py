@@ -12,7 +12,7 @@ import trimesh
 from typer.testing import CliRunner
 
 from cellctl.assembly import Intent, Request
-from cellctl.cli.app import app
+from cellctl.cli.app import command_line
 from cellctl.cli.catalogue_build import build_catalogue
 from cellctl.config import CellConfig, load_config
 from cellctl.errors import ConfigError, PlanError, UnknownObjectError, UsageError
@@ -161,11 +161,12 @@ def test_the_command_makes_and_lists(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("CELLCTL_CONFIG", str(Path(__file__).parents[2] / "config" / "sim.toml"))
     library(tmp_path, [("Crate", (30, 30, 30), "")])
     made = CliRunner().invoke(
-        app, ["catalogue", "--build", str(tmp_path), "--output", str(tmp_path / "a.json.gz")]
+        command_line(),
+        ["catalogue", "--build", str(tmp_path), "--output", str(tmp_path / "a.json.gz")],
     )
     assert made.exit_code == 0
     assert "1 objects" in made.output
-    listed = CliRunner().invoke(app, ["catalogue", "hydrant"])
+    listed = CliRunner().invoke(command_line(), ["catalogue", "hydrant"])
     assert "by Kator Legaz, CC BY 3.0 US" in listed.output
 
 

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cellctl.assembly import Edit, Intent, Request
-from cellctl.cli.app import app
+from cellctl.cli.app import command_line
 from cellctl.listening.understanding.embedded import EmbeddedInterpreter
 from cellctl.listening.understanding.interpreter import DEFAULT_SETTING, Setting
 from cellctl.listening.understanding.words import look_up
@@ -187,7 +187,7 @@ class TestCommand:
         monkeypatch.delenv("CELLCTL_CONFIG", raising=False)
 
     def run(self, *arguments: str, given: bytes = b"") -> list[dict[str, object]]:
-        result = CliRunner().invoke(app, ["understand", *arguments], input=given)
+        result = CliRunner().invoke(command_line(), ["understand", *arguments], input=given)
         assert result.exit_code == 0, result.output
         return [json.loads(line) for line in result.stdout.splitlines()]
 
@@ -212,7 +212,7 @@ class TestCommand:
         assert lines[0]["dimensions_m"] == {"height": 0.5}
 
     def test_a_file_that_is_none(self, tmp_path: Path) -> None:
-        result = CliRunner().invoke(app, ["understand", str(tmp_path / "none.txt")])
+        result = CliRunner().invoke(command_line(), ["understand", str(tmp_path / "none.txt")])
         assert result.exit_code != 0
         assert "cannot be read" in str(result.exception)
 
