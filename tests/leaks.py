@@ -117,8 +117,35 @@ def _describe(process: psutil.Process) -> str | None:
 
 
 def _children() -> Counter[str]:
-    described = (_describe(child) for child in psutil.Process().children(recursive=True))
+    if not Path(f"/proc/self/task/{os.getpid()}/children").exists():  # a kernel without them
+        processes = psutil.Process().children(recursive=True)
+    else:
+        processes = [process for pid in _offspring(os.getpid()) if (process := _process(pid))]
+    described = (_describe(process) for process in processes)
     return Counter(name for name in described if name)
+
+
+def _offspring(pid: int) -> Iterator[int]:
+    """Whoever descends from a process; to ask the kernel costs less than to look at every other."""
+    try:
+        tasks = list(Path(f"/proc/{pid}/task").iterdir())
+    except OSError:  # it ended meanwhile
+        return
+    for task in tasks:
+        try:
+            children = (task / "children").read_text()
+        except OSError:  # it ended meanwhile
+            continue
+        for child in map(int, children.split()):
+            yield child
+            yield from _offspring(child)
+
+
+def _process(pid: int) -> psutil.Process | None:
+    try:
+        return psutil.Process(pid)
+    except psutil.NoSuchProcess:
+        return None
 
 
 def _orphans() -> Counter[str]:
@@ -155,15 +182,58 @@ def _resource_tracker_descriptor() -> str:
     return str(module._resource_tracker._fd) if module else ""
 
 
+@dataclass(frozen=True)
+class _Folder:
+    """What lay in a folder when it was last changed."""
+
+    changed_ns: int
+    folders: tuple[str, ...]
+    files: tuple[str, ...]
+
+    @classmethod
+    def look(cls, path: str, changed_ns: int) -> _Folder:
+        entries = list(os.scandir(path))
+        return cls(
+            changed_ns,
+            tuple(
+                entry.path
+                for entry in entries
+                if entry.is_dir(follow_symlinks=False)
+                and entry.name not in UNWATCHED_FOLDERS
+                and not entry.name.endswith(".egg-info")
+            ),
+            tuple(
+                entry.path
+                for entry in entries
+                if not entry.is_dir(follow_symlinks=False)
+                and not entry.name.endswith(UNWATCHED_SUFFIXES)
+            ),
+        )
+
+
+_folders: dict[str, _Folder] = {}
+_CLOCK_TICK_NS = 20_000_000
+"""Two changes within so little time may leave a folder with the same time of its last change."""
+
+
+def _in_repository(path: str) -> Iterator[str]:
+    """Every watched file below a folder; only folders that were changed are listed anew."""
+    try:
+        changed_ns = Path(path).stat().st_mtime_ns
+        known = _folders.get(path)
+        if known is None or known.changed_ns != changed_ns:
+            known = _Folder.look(path, changed_ns)
+            if time.time_ns() - changed_ns > _CLOCK_TICK_NS:
+                _folders[path] = known
+    except FileNotFoundError:  # another lane's, and gone again
+        return
+    yield from known.files
+    for folder in known.folders:
+        yield from _in_repository(folder)
+
+
 def _files() -> Counter[str]:
-    found: Counter[str] = Counter()
-    for folder, names, files in os.walk(REPOSITORY):
-        names[:] = [
-            name
-            for name in names
-            if name not in UNWATCHED_FOLDERS and not name.endswith(".egg-info")
-        ]
-        found.update(f"{folder}/{name}" for name in files if not name.endswith(UNWATCHED_SUFFIXES))
+    found = Counter(_in_repository(str(REPOSITORY)))
     found.update(
         entry.path
         for entry in os.scandir(tempfile.gettempdir())

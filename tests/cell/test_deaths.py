@@ -15,8 +15,8 @@ from tests.cell.lives import Lives, many_lives
 
 pytestmark = [pytest.mark.wire]
 
-_BOUNDARIES = 16
-_INSTANTS = 6
+_BOUNDARIES = 8
+_INSTANTS = 3
 _FARTHEST = 8
 """Each life ends at most so many writes of the journal after it began."""
 _FARTHEST_IN_SOAK = 24

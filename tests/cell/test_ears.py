@@ -45,6 +45,7 @@ def heard(cell: RunningCell) -> list[str]:
     return [data.utterance.text for data in payloads if isinstance(data, SpeechData)]
 
 
+@pytest.mark.soak
 def test_a_wish_a_yes_and_a_build_by_voice_alone() -> None:
     with spoken_to(10.0, "wake_word") as (cell, microphone, speak):
         # Nobody was spoken to.

@@ -82,8 +82,8 @@ def prove(count: int, seed: int) -> dict[str, int]:
 
 
 def test_it_ends_on_random_solids_within_its_limits_or_with_a_refusal() -> None:
-    outcomes = prove(250, SEED)
-    assert min(outcomes.values()) > 10  # each way was really taken
+    outcomes = prove(120, SEED)
+    assert min(outcomes.values()) > 5  # each way was really taken
 
 
 @pytest.mark.soak

@@ -73,8 +73,8 @@ def nearby_verdicts(structure: frozenset[Cell], stuff: Material) -> set[bool]:
 
 
 def test_the_engine_agrees_on_random_structures() -> None:
-    compared = compare(range(30))
-    assert min(compared[True], compared[False]) >= 4
+    compared = compare(range(16))
+    assert min(compared[True], compared[False]) >= 2
 
 
 @pytest.mark.soak

@@ -93,7 +93,7 @@ def test_joints_are_all_pairs_of_faces_and_the_feet() -> None:
 )
 def test_what_a_single_path_proves_to_stand_does_not_move(stuff: Material) -> None:
     proven = 0
-    for seed in range(40):
+    for seed in range(20):
         structure = grown(seed, 1 + seed % 12)
         newest = max(structure)
         left = unproven(structure, stuff, newest)
@@ -103,4 +103,4 @@ def test_what_a_single_path_proves_to_stand_does_not_move(stuff: Material) -> No
             load = arrays.weights()
             load[arrays.cells.index(newest)] += at_top(push)
             assert np.abs(accelerations(arrays, load[None])).max() <= STAYS
-    assert proven > 20
+    assert proven > 10
