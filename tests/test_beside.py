@@ -12,7 +12,7 @@ import pytest
 
 from cellctl.beside import Beside, Task, share, stand_by
 
-_PATIENCE_S = 20.0
+_PATIENCE_S = 60.0
 _MUCH = 100_000
 
 

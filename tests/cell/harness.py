@@ -34,7 +34,7 @@ from cellctl.sim.spawn import emulated_cell
 from cellctl.sim.world_values import Where
 
 CONFIG = Path(__file__).parents[2] / "config" / "sim.toml"
-PATIENCE_S = 90.0
+PATIENCE_S = 180.0
 """How long a test waits for anything (wall time); machines can be slow."""
 _POLL_S = 0.05
 _OFF_M = 0.1

@@ -16,7 +16,8 @@ pytestmark = [pytest.mark.wire, pytest.mark.shared_cell]
 @pytest.fixture(scope="module")
 def cell() -> Iterator[RunningCell]:
     talk = {"take_along_s": 2.0, "queue_limit": 2}
-    with running_cell(speed=20.0, policy={"confirmation": "ask"}, dialogue=talk) as running:
+    policy = {"confirmation": "ask", "confirmation_timeout_s": 60.0}
+    with running_cell(speed=20.0, policy=policy, dialogue=talk) as running:
         yield running
 
 

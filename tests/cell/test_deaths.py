@@ -62,7 +62,7 @@ def test_killed_at_the_journals_writes(lives: Lives) -> None:
     assert lives.built >= 1
 
 
-@pytest.mark.timeout(200)
+@pytest.mark.timeout(400)
 def test_killed_at_any_instant(lives: Lives) -> None:
     instants = random.Random(3)  # noqa: S311 - which instants is of no consequence
     for _ in range(_INSTANTS):

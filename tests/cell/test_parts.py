@@ -284,6 +284,14 @@ def test_a_latch_that_is_no_longer_confirmed_is_asked_about_before_the_arm_goes_
         idle.client.command("resume")
     assert idle.client.snapshot().doubt
     idle.client.command("resume")  # it is there
+    stopped = idle.wait(
+        "the end, or news of the board's reset",
+        lambda now: now.state.state in {"idle", "fault_held"},
+    )
+    if stopped.state.state == "fault_held":
+        assert stopped.fault.entry is not None
+        assert stopped.fault.entry.code == "gripper_reset"
+        reset_and_resume(idle)
     finish(idle)
 
 
@@ -296,8 +304,9 @@ def test_a_latch_that_ceases_to_confirm_on_the_way_does_not_count_a_part_as_plac
     expect_fault(idle, "gripper_silent")
     idle.world.clear("gripper_silent")
     idle.client.command("reset")
-    snapshot = idle.wait_state("paused_resting")
-    assert snapshot.doubt
+    snapshot = idle.wait(
+        "a doubt", lambda now: now.state.state == "paused_resting" and bool(now.doubt)
+    )
     assert "the latch does not confirm it" in snapshot.state.sentence
     assert snapshot.standing == ()
     idle.client.command("resume")  # a person has looked: it is there

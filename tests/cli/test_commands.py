@@ -18,7 +18,7 @@ from cellctl.config import CellConfig, load_config
 from tests.cell.harness import CONFIG, running_cell
 from tests.firmware.loop.bench import compile_programs
 
-TIMEOUT_S = 110.0
+TIMEOUT_S = 240.0
 
 
 def cellctl(*arguments: str, config: Path | None = CONFIG) -> subprocess.CompletedProcess[str]:

@@ -18,7 +18,7 @@ from cellctl.control.door import Answer, Handler
 from cellctl.messages import ControlReply, ControlRequest, ReplyError
 
 MAX_AUDIO_S = 1.0
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 """How long a test waits for anything (wall time)."""
 
 

@@ -23,7 +23,7 @@ from cellctl.listening.hearing import Hearing
 from tests.cell.harness import cell_config
 from tests.listening.model_server import Reply, model_server
 
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 class Microphone(Ears):

@@ -24,7 +24,7 @@ from cellctl.messages import (
 )
 from cellctl.notices import NOTICES
 
-PATIENCE_S = 5.0
+PATIENCE_S = 30.0
 
 
 def snapshot(seq: int = 1, **changes: object) -> Snapshot:

@@ -195,7 +195,7 @@ def spoken_visit(
             assert page.elsewhere == []
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(600)
 def test_a_visit_by_voice_alone() -> None:
     with spoken_visit("open", SPEED) as visitor:
         visitor.builds(SHORT)

@@ -22,7 +22,7 @@ from tests.virtual_sound import virtual_sound
 pytestmark = pytest.mark.wire
 
 NOTICED_S = 2.0
-PATIENCE_S = 30.0
+PATIENCE_S = 90.0
 SETTINGS = HearingSection(microphone="", activation="push_to_talk")
 
 

@@ -18,7 +18,7 @@ from tests.leaks import REPOSITORY
 
 SYSTEMD = Path("/lib/systemd/systemd")
 _TOOLS = ("unshare", "nsenter", "ip", "systemd-sysusers", "systemd-tmpfiles")
-_PATIENCE_S = 30.0
+_PATIENCE_S = 90.0
 
 
 def service_python() -> Path:

@@ -92,7 +92,7 @@ async def speaking(loudspeaker: str = "spk") -> AsyncIterator[tuple[Mouth, Liste
 
 def run(scenario: Callable[[], Awaitable[None]]) -> None:
     async def bounded() -> None:
-        async with asyncio.timeout(110.0):
+        async with asyncio.timeout(280.0):
             await scenario()
 
     asyncio.run(bounded())

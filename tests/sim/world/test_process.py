@@ -26,7 +26,7 @@ from cellctl.sim.spawn import StartError, emulated_cell
 from cellctl.sim.world_values import Imperfections, Where
 from tests.sim.world.hand import PARTS, emulated_config
 
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 @pytest.fixture
