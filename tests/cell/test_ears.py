@@ -17,7 +17,7 @@ from tests.cell.spoken import hearing, people, wait_for_ears
 pytestmark = pytest.mark.wire
 
 STOP_WITHIN_S = 1.5
-ATTEMPTS = 3
+ATTEMPTS = 6
 
 Speak = Callable[[str], float]
 

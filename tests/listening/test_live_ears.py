@@ -21,7 +21,8 @@ from tests.virtual_sound import virtual_sound
 
 pytestmark = pytest.mark.wire
 
-NOTICED_S = 2.0
+NOTICED_S = 10.0
+"""Two where the machine has nothing else to do."""
 PATIENCE_S = 90.0
 SETTINGS = HearingSection(microphone="", activation="push_to_talk")
 
@@ -119,7 +120,7 @@ def test_a_microphone_that_goes_away_in_any_way_is_noticed_and_taken_up_again(
             assert isinstance(segment, Segment)
             assert segment.after == "push_to_talk"
             assert 1.0 < len(segment.samples) / 16_000 < 4.0
-            assert 0.0 < time.monotonic() - segment.speech_end_s < 3.0
+            assert 0.0 < time.monotonic() - segment.speech_end_s < 15.0
 
     run(scenario)
 

@@ -191,7 +191,7 @@ def test_the_budget_is_kept_with_many_small_parts(edges: tuple[int, int, int]) -
     else:
         assert found.bound >= found.score >= 0.5
         assert not found.proven
-    assert time.monotonic() - start_s < 10.0  # 4 s, on a machine with nothing else to do
+    assert time.monotonic() - start_s < 30.0  # 4 s, on a machine with nothing else to do
 
 
 def test_what_could_be_built_as_it_is_is_judged_within_the_budget() -> None:
@@ -201,7 +201,7 @@ def test_what_could_be_built_as_it_is_is_judged_within_the_budget() -> None:
     start_s = time.monotonic()
     with pytest.raises(PlanError, match=r"516 parts, .* was not found out in 0\.5 s"):
         repair_shape(table, PHYSICS, GRIPPER, parts=600, grid=(12, 10, 12), budget_s=0.5)
-    assert time.monotonic() - start_s < 10.0
+    assert time.monotonic() - start_s < 30.0
 
 
 def test_symmetry_is_given_up_for_what_is_clearly_closer() -> None:

@@ -28,4 +28,5 @@ def test_a_faster_clock_shortens_the_wait_and_not_the_move() -> None:
         wait_until(lambda: distance_m(target, robot.receive.getActualTCPPose()) < 1e-6)
         took_s = robot.receive.getTimestamp() - started_s
         ideal_s = 0.3 / 0.05 + 0.05 / 0.5
-        assert ideal_s - 0.1 < took_s < ideal_s + 3.0
+        # Whoever looks a tenth of a second late is two seconds late by this clock.
+        assert ideal_s - 0.1 < took_s < 5.0 * ideal_s
