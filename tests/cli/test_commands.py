@@ -6,9 +6,11 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 import tomli_w
 
@@ -133,7 +135,7 @@ def test_a_demonstration_tells_what_was_heard_planned_and_built(tmp_path: Path) 
     status, report, said = demo(
         "--say", "the letter T", "--picture", str(picture), config=changed_config(tmp_path)
     )
-    assert status == 0
+    assert status == 0, said
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert report["heard"].lower().startswith("the letter t")
     assert report["understood"]["attributes"]["glyph"] == "T"
@@ -144,6 +146,31 @@ def test_a_demonstration_tells_what_was_heard_planned_and_built(tmp_path: Path) 
     assert report["state"] == "idle"
     assert "waived" in said
     assert "part   7 of 7" in said
+
+
+@pytest.mark.soak
+@pytest.mark.wire
+def test_a_demonstration_goes_on_where_the_robot_did_not_hear_it_in_time(tmp_path: Path) -> None:
+    config = changed_config(tmp_path)
+    with begun(config, "demo", "--speed", "5", "--say", "the letter T") as running:
+        assert running.stdout is not None
+        said = ""
+        while "part   2 of 7" not in said:
+            line = running.stdout.readline()
+            assert line, said
+            said += line
+        (arm,) = (
+            process
+            for process in psutil.Process(running.pid).children(recursive=True)
+            if "cellctl.assembling.arm_worker" in process.cmdline()
+        )
+        arm.suspend()
+        time.sleep(0.5)  # longer than the robot's watchdog waits: what is tested
+        arm.resume()
+        said += running.communicate(timeout=TIMEOUT_S)[0]
+    assert running.returncode == 0, said
+    assert "too busy" in said
+    assert "what stands is what was planned" in said
 
 
 @pytest.mark.soak

@@ -36,6 +36,7 @@ MAX_POLL_S = 0.05
 """A wait for the thing itself may look this often; anything longer is a sleep."""
 SLEEPS_ON_PURPOSE = {
     "tests/assembling/test_arm_death.py": "the moment of the kill is what is tested",
+    "tests/cli/test_commands.py": "the robot's patience is what is tested",
     "tests/feeding/test_conveyor.py": "blocks the loop: the disturbance under test",
 }
 ITSELF = Path(__file__).resolve()
