@@ -8,15 +8,20 @@ both compared with what was said.
 from __future__ import annotations
 
 import re
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Literal
 
 import pytest
 
+from cellctl.client import CellClient
+from cellctl.config import CellConfig
+from cellctl.errors import RefusedError
 from cellctl.messages import Snapshot
+from tests.cell.lives import BUSY
 from tests.cell.spoken import ECHO_DB, People, hearing, people, said, wait_for_ears
 from tests.kiosk.harness import OpenPage, Visit, visit
 
@@ -189,10 +194,42 @@ def spoken_visit(
         wait_for_ears(there.cell)
         there.cell.wait("a voice", lambda now: now.voice.state == "quiet")
         # A small screen: 3D without a graphics card is slow, and hearing must not wait for it.
-        with there.open(size="phone", reduced_motion="reduce") as page:
+        with (
+            attended(there.cell.config),
+            there.open(size="phone", reduced_motion="reduce") as page,
+        ):
             yield Visitor(there, speakers, page, wakes=activation == "wake_word")
             assert page.problems == []
             assert page.elsewhere == []
+
+
+@contextmanager
+def attended(config: CellConfig) -> Iterator[None]:
+    """An operator goes on where a machine that is busy with a browser and a recogniser let the
+    robot stop."""
+    over = threading.Event()
+    ways = {"fault_stopped": "reset", "paused_resting": "resume"}
+
+    def attend() -> None:
+        stopped = False
+        with CellClient.for_role(config, timeout_s=60.0) as operator:
+            while not over.wait(0.5):
+                now = operator.snapshot()
+                entry = now.fault.entry
+                stopped = stopped or (entry is not None and entry.code in BUSY)
+                if stopped and now.state.state in ways:
+                    with suppress(RefusedError):  # it still brakes
+                        operator.command(ways[now.state.state])
+                elif now.state.state.startswith(("assembling", "disassembling", "feeding")):
+                    stopped = False
+
+    watch = threading.Thread(target=attend, name="attending")
+    watch.start()
+    try:
+        yield
+    finally:
+        over.set()
+        watch.join()
 
 
 @pytest.mark.timeout(600)
