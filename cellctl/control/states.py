@@ -369,5 +369,5 @@ def decide(state: str, event: Event) -> Decision:
 
 @cache
 def _spare_machine() -> CellMachine:
-    # To make one takes a thousand times as long as to ask it.
+    # To make one takes some twenty times as long as to ask it.
     return CellMachine()
